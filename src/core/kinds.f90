@@ -1,0 +1,17 @@
+!> Kinds and the one size that every room shares.
+module poinsot_core_kinds
+   use, intrinsic :: iso_fortran_env, only: real32, real64, real128, int32, int64
+   implicit none(type, external)
+   private
+   public :: sp, dp, qp, i4, i8, lanes
+
+   integer, parameter :: sp = real32  !! single precision: hosts that store it, never our arithmetic
+   integer, parameter :: dp = real64  !! working precision
+   integer, parameter :: qp = real128 !! quadruple precision: tables and references, never a kernel
+   integer, parameter :: i4 = int32
+   integer, parameter :: i8 = int64
+
+   !> Bodies in a block. A kernel always works on all of them: there is no remainder loop, so a body's bits do
+   !> not depend on its place. Four 512-bit vectors in flight; 32 (y, q) pairs are 1.8 kB of the first-level cache.
+   integer, parameter :: lanes = 32
+end module poinsot_core_kinds

@@ -1,0 +1,52 @@
+!> The one list of status values: code and text together. C sees the same numbers (include/poinsot.h).
+module poinsot_core_status
+   implicit none(type, external)
+   private
+   public :: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method, poinsot_e_step
+   public :: poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, poinsot_e_partial, poinsot_e_io
+   public :: poinsot_e_scene, poinsot_e_cpu
+   public :: status_text
+
+   integer, parameter :: poinsot_ok = 0
+   integer, parameter :: poinsot_e_null = 1
+   integer, parameter :: poinsot_e_size = 2
+   integer, parameter :: poinsot_e_domain = 3
+   integer, parameter :: poinsot_e_method = 4
+   integer, parameter :: poinsot_e_step = 5
+   integer, parameter :: poinsot_e_convergence = 6
+   integer, parameter :: poinsot_e_memory = 7
+   integer, parameter :: poinsot_e_callback = 8
+   integer, parameter :: poinsot_e_partial = 9
+   integer, parameter :: poinsot_e_io = 10
+   integer, parameter :: poinsot_e_scene = 11
+   integer, parameter :: poinsot_e_cpu = 12
+
+   character(72), parameter :: texts(0:12) = [character(72) :: &
+      "ok", &
+      "a required pointer is NULL", &
+      "a size or a stride does not fit", &
+      "a value is not finite, not physical or not a unit quaternion", &
+      "unknown method, splitting, effect, layout or option name", &
+      "the step is too long for this method (rotation per step beyond its range)", &
+      "an iteration did not converge", &
+      "out of memory", &
+      "the callback asked to stop", &
+      "some bodies failed: see the status of each body", &
+      "a file could not be read or written", &
+      "the scene file has an error", &
+      "this build needs a newer processor"]
+
+contains
+
+   !> Text of a status value; "unknown status" for any other number.
+   pure function status_text(code) result(text)
+      integer, intent(in) :: code !! one of the poinsot_e_... values or poinsot_ok
+      character(:), allocatable :: text
+      if (code >= lbound(texts, 1) .and. code <= ubound(texts, 1)) then
+         text = trim(texts(code))
+      else
+         text = "unknown status"
+      end if
+   end function status_text
+
+end module poinsot_core_status

@@ -1,0 +1,10 @@
+!> The version, once.
+module poinsot_core_version
+   implicit none(type, external)
+   private
+   public :: version_number, version_text
+
+   integer, parameter :: major = 0, minor = 1, patch = 0
+   integer, parameter :: version_number = 10000*major + 100*minor + patch !! as poinsot_version() answers
+   character(*), parameter :: version_text = "0.1.0"                      !! the same, as people write it
+end module poinsot_core_version
