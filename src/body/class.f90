@@ -9,7 +9,8 @@ module poinsot_body_class
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_body_moments, only: check_moments
-   use poinsot_body_series, only: max_degree, degree_bound, correction_series, universal_series
+   use poinsot_body_series, only: max_degree, degree_bound, correction_series
+   use poinsot_body_universal, only: universal_bound
    implicit none(type, external)
    private
    public :: body_class, make_class, series_levels, level_degree, longest_step
@@ -102,55 +103,58 @@ contains
       parity = -parity
    end subroutine exchange
 
-   !> Largest (h |omega|)^2 for which the terms left out by each level stay below a quarter of a rounding error.
+   !> Largest (h |omega|)^2 = s for which the terms left out by each level stay below a quarter of a rounding error.
    !>
-   !> Left-out terms are bounded degree by degree by Bernstein coefficients, on p + r <= (h |omega|)^2 (the bound of
-   !> |omega|^2 over the whole motion, reached where omega2 = 0). An error dP moves the attitude by h|omega| dP / 2; the universal
-   !> series have arguments X + Z <= max(a1 a2, a2 a3) (h |omega|)^2 / 4.
+   !> They are bounded degree by degree by Bernstein coefficients, on p + r <= s, the bound of (h |omega|)^2 over the whole
+   !> motion (reached where omega2 = 0). With z = max(a1 a2, a2 a3)/4, so that X + Z <= z s, an attitude error is at most
+   !> sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8); T is used to one degree less than the others, W_n = (n+1) T_n.
    pure function reach_of(class) result(reach)
       type(body_class), intent(in) :: class
       real(dp) :: reach(series_levels)
-      real(dp), parameter :: allowed = 0.25_dp*epsilon(1.0_dp)
-      real(dp), dimension(0:max_degree, 0:max_degree) :: s, c, d
-      real(dp) :: bound(max_degree), quarter
+      real(dp) :: bound(max_degree, 2), z
       integer :: n, level
 
-      call universal_series(s, c, d)
-      quarter = 0.25_dp*class%a(2)*max(class%a(1), class%a(3))
+      z = 0.25_dp*class%a(2)*max(class%a(1), class%a(3))
       do n = 1, max_degree
-         bound(n) = 0.5_dp*max(degree_bound(class%p, n), degree_bound(class%r, n)) &
-                    + (degree_bound(c, n) + degree_bound(d, n))*quarter**n
+         bound(n, 1) = 0.5_dp*max(degree_bound(class%p, n), degree_bound(class%r, n)) &
+                       + 0.5_dp*z**n*universal_bound(n - 1)
+         bound(n, 2) = 0.125_dp*(n + 1)*z**n*universal_bound(n)
       end do
       do level = 1, series_levels
          reach(level) = largest(bound, level_degree(level))
       end do
-   contains
-      !> Bisection for the largest s with sqrt(s) sum_{n > degree} bound(n) s^n <= allowed.
-      pure real(dp) function largest(bound, degree)
-         real(dp), intent(in) :: bound(max_degree)
-         integer, intent(in) :: degree
-         real(dp) :: low, high, s, tail
-         integer :: i, j
-         low = 0
-         high = longest_step**2
-         largest = high
-         do i = 0, 40
-            s = high
-            if (i > 0) s = 0.5_dp*(low + high)
-            tail = 0
-            do j = max_degree, degree + 1, -1
-               tail = (tail + bound(j))*s
-            end do
-            tail = tail*s**degree*sqrt(s)
-            if (tail <= allowed) then
-               if (i == 0) return
-               low = s
-            else
-               high = s
-            end if
-         end do
-         largest = low
-      end function largest
    end function reach_of
+
+   !> Largest s <= longest_step^2 with sqrt(s) sum_{n > degree} (bound(n,1) + sqrt(s) bound(n,2)) s^n <= allowed, by bisection.
+   pure real(dp) function largest(bound, degree)
+      real(dp), intent(in) :: bound(max_degree, 2)
+      integer, intent(in) :: degree
+      real(dp), parameter :: allowed = 0.25_dp*epsilon(1.0_dp)
+      real(dp) :: low, high, s
+      integer :: i
+      low = 0
+      high = longest_step**2
+      largest = high
+      if (tail(high) <= allowed) return
+      do i = 1, 40
+         s = 0.5_dp*(low + high)
+         if (tail(s) <= allowed) then
+            low = s
+         else
+            high = s
+         end if
+      end do
+      largest = low
+   contains
+      pure real(dp) function tail(s)
+         real(dp), intent(in) :: s
+         integer :: n
+         tail = 0
+         do n = max_degree, degree + 1, -1
+            tail = (tail + bound(n, 1) + sqrt(s)*bound(n, 2))*s
+         end do
+         tail = tail*s**degree*sqrt(s)
+      end function tail
+   end function largest
 
 end module poinsot_body_class

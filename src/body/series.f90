@@ -1,14 +1,14 @@
 !> The two series P and R that turn a body's moments into the modified moments of the Moser-Veselov map
-!> (mathematics, sections 2 and 3), and the three universal ones S, C, D of the explicit exact step.
+!> (mathematics, sections 2 and 3).
 !>
-!> Each is a power series in h^2 whose n-th coefficient is a homogeneous polynomial of degree n: in (p, r) for P and R,
-!> in (X, Z) for S, C, D. All come from Taylor recursions without any division by a difference of moments, so that nearly
-!> symmetric, nearly spherical and nearly linear bodies cost no digits.
+!> Each is a power series in h^2 whose n-th coefficient is a homogeneous polynomial of degree n in (p, r). They come from
+!> a Taylor recursion without any division by a difference of moments, so that nearly symmetric, nearly spherical and
+!> nearly linear bodies cost no digits.
 module poinsot_body_series
    use poinsot_core_kinds, only: dp
    implicit none(type, external)
    private
-   public :: max_degree, degree_bound, correction_series, universal_series
+   public :: max_degree, degree_bound, correction_series
 
    integer, parameter :: max_degree = 13 !! highest power of h^2 that is tabulated
 
@@ -60,24 +60,6 @@ contains
       w = combination(q0, q3, q1, q2, 1.0_dp, [1, 0])
       call table(quotient(times(rho, w), g), r)
    end subroutine correction_series
-
-   !> S, C, D as polynomials in X and Z: sn, cn, dn of half a step without a modulus (mathematics section 3).
-   pure subroutine universal_series(s, c, d)
-      real(dp), intent(out), dimension(0:max_degree, 0:max_degree) :: s, c, d !! coefficient (i,j) of X^i Z^j
-      type(series) :: ss, cc, dd
-      integer :: n
-      cc%c(0, 0) = 1
-      dd%c(0, 0) = 1
-      do n = 0, max_degree
-         call add(ss, n, 1.0_dp/(2*n + 1), product_part(cc, dd, n), 0, 0)
-         if (n == max_degree) exit
-         call add(cc, n + 1, -1.0_dp/(2*n + 2), product_part(ss, dd, n), 1, 0)
-         call add(dd, n + 1, -1.0_dp/(2*n + 2), product_part(ss, cc, n), 0, 1)
-      end do
-      s = square_form(ss)
-      c = square_form(cc)
-      d = square_form(dd)
-   end subroutine universal_series
 
    !> A bound of the part of degree n on p + r = 1, p, r >= 0: the largest coefficient of its Bernstein form.
    pure real(dp) function degree_bound(c, n)
