@@ -10,10 +10,11 @@ module poinsot_body_universal
    private
    public :: sine_squared, universal_bound
 
+   integer, parameter :: half_degree = (max_degree - 1)/2
    real(dp), parameter :: zeros(12) = 0.0_dp
 
    !> t(i,j): exact rationals, rounded once. Row j has the powers of e; checked against the recursion in the tests.
-   real(dp), parameter :: sine_squared(0:max_degree, 0:max_degree/2) = reshape([ &
+   real(dp), parameter :: sine_squared(0:max_degree, 0:half_degree) = reshape([ &
       1.000000000000000000_dp, -3.333333333333333333e-1_dp, 4.444444444444444444e-2_dp, &
       -3.174603174603174603e-3_dp, 1.410934744268077601e-4_dp, -4.275559831115386671e-6_dp, &
       9.396834793660190486e-8_dp, -1.566139132276698414e-9_dp, 2.047240695786533875e-11_dp, &
@@ -36,7 +37,7 @@ module poinsot_body_universal
       zeros(1:8), &
       3.378582202111613876e-5_dp, -3.173006828949755319e-5_dp, 1.484596274852942401e-5_dp, &
       -4.609564227298466343e-6_dp, zeros(1:10), &
-      3.356305835943844994e-6_dp, -3.593916746848259182e-6_dp, zeros(1:12)], [max_degree + 1, max_degree/2 + 1])
+      3.356305835943844994e-6_dp, -3.593916746848259182e-6_dp, zeros(1:12)], [max_degree + 1, half_degree + 1])
 
 contains
 
