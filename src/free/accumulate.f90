@@ -18,10 +18,10 @@ contains
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
       real(dp) :: excess
       integer :: l
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
          excess = 0.5_dp*((q(l, 1)**2 + q(l, 2)**2) + (q(l, 3)**2 + q(l, 4)**2) - 1)
-         excess = merge(excess, 0.0_dp, h(l) /= 0)
+         excess = merge(excess, 0.0_dp, abs(h(l)) > 0)
          y(l, 1) = y(l, 1) + dy(l, 1)
          y(l, 2) = y(l, 2) + dy(l, 2)
          y(l, 3) = y(l, 3) + dy(l, 3)
@@ -38,14 +38,14 @@ contains
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4), carry(lanes, 7)
       real(dp) :: excess(lanes)
       integer :: l, j
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
          excess(l) = 0.5_dp*((q(l, 1)**2 + q(l, 2)**2) + (q(l, 3)**2 + q(l, 4)**2) - 1)
-         excess(l) = merge(excess(l), 0.0_dp, h(l) /= 0)
+         excess(l) = merge(excess(l), 0.0_dp, abs(h(l)) > 0)
       end do
       call add_kick_compensated(dy, y, carry)
       do j = 1, 4
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             call two_sum(q(l, j), carry(l, 3 + j), dq(l, j) - excess(l)*q(l, j))
          end do
@@ -65,7 +65,7 @@ contains
       real(dp), intent(inout) :: y(lanes, 3), carry(lanes, 7)
       integer :: l, j
       do j = 1, 3
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             call two_sum(y(l, j), carry(l, j), dy(l, j))
          end do
@@ -96,7 +96,7 @@ contains
       i1 = class%inverse(1)
       i2 = class%inverse(2)
       i3 = class%inverse(3)
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
          e = h(l)*(dy(l, 1)*i1*(y(l, 1) + 0.5_dp*dy(l, 1)) + dy(l, 2)*i2*(y(l, 2) + 0.5_dp*dy(l, 2)) &
                    + dy(l, 3)*i3*(y(l, 3) + 0.5_dp*dy(l, 3)))

@@ -25,7 +25,7 @@ contains
       i2 = class%order(2)
       i3 = class%order(3)
       m = class%parity*class%inverse(class%order)
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
          w(l, 1) = y(l, i1)*m(1)*h(l)
          w(l, 2) = y(l, i2)*m(2)*h(l)
@@ -59,7 +59,7 @@ contains
 
       c1 = 0.25_dp*class%a(1)*class%a(2)
       c3 = 0.25_dp*class%a(2)*class%a(3)
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
          size(l) = p(l) + r(l)
          e(l) = c1*r(l) + c3*p(l)
@@ -76,7 +76,7 @@ contains
          if (.not. any(size <= class%reach(level) .and. size > 0)) exit
          call correction(level_degree(level), class, p, r, ps2, rs2)
          call universal(level_degree(level), e, f, t2, w2)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             ps(l) = merge(ps2(l), ps(l), size(l) <= class%reach(level))
             rs(l) = merge(rs2(l), rs(l), size(l) <= class%reach(level))
@@ -103,7 +103,7 @@ contains
       a1 = class%a(1)
       a2 = class%a(2)
       a3 = class%a(3)
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
          ! omega at the end of the step, from sn, cn, dn of half a step by the duplication formula
          x = 0.25_dp*a1*a2*r(l)*t(l)

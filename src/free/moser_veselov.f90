@@ -16,9 +16,9 @@ module poinsot_free_moser_veselov
 
    real(dp), parameter :: quarter_turn = 1.5707963267948966_dp !! h |omega| beyond which there is no root |e| < 1
 
-   !> Newton sweeps that reach rounding from the predictor, for (h |omega|)^2 up to each bound (mathematics, section 2).
+   !> Newton sweeps that reach rounding from the predictor: 1, 2, 3, 4, 7, for (h |omega|)^2 up to each of these bounds and
+   !> beyond. With z = h |omega|/2 the predictor is good to z^5, and a sweep squares the error: z^10, z^20, ...
    real(dp), parameter :: sweep_bound(4) = [0.03_dp**2, 0.25_dp**2, 0.8_dp**2, 1.25_dp**2]
-   integer, parameter :: most_sweeps = 8
 
 contains
 
@@ -42,7 +42,7 @@ contains
       real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      call cayley_increment(class, min(terms, 0), 0.0_dp, h, y, q, dy, dq, status)
+      call cayley_increment(class, 0, 0.0_dp, h, y, q, dy, dq, status)
    end subroutine midpoint_increment
 
    !> Both maps: `stretch` is the factor of |e|^2 in alpha = 1 + stretch |e|^2.
@@ -77,7 +77,7 @@ contains
       real(dp) :: one_p, one_r, one_c, d, ratio, i12
       integer :: l
       i12 = class%sorted(1)/class%sorted(2)
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
          d = ps(l) - rs(l)
          one_p = 1 + ps(l)
@@ -100,33 +100,47 @@ contains
       real(dp), intent(in) :: stretch, size(lanes), z(lanes, 3), kappa(lanes, 3)
       real(dp), intent(out) :: e(lanes, 3)
       logical, intent(inout) :: failed(lanes)
-      real(dp) :: sweeps(lanes), moved(lanes), zz, above
-      integer :: l, k, n
-      real(dp), parameter :: tolerance = 1e-12_dp
+      real(dp) :: moved(lanes), ee, e1, e2, e3
+      integer :: sweeps(lanes), l, k
+      real(dp), parameter :: tolerance = 1e-14_dp !! of the last sweep's move squared; what is left is its square again
 
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
-         zz = 1 + stretch*(z(l, 1)**2 + z(l, 2)**2 + z(l, 3)**2)
-         e(l, 1) = zz*z(l, 1) - kappa(l, 1)*z(l, 2)*z(l, 3)
-         e(l, 2) = zz*z(l, 2) - kappa(l, 2)*z(l, 3)*z(l, 1)
-         e(l, 3) = zz*z(l, 3) - kappa(l, 3)*z(l, 1)*z(l, 2)
-         sweeps(l) = 2 + merge(1, 0, size(l) > sweep_bound(1)) + merge(1, 0, size(l) > sweep_bound(2)) &
-                     + merge(1, 0, size(l) > sweep_bound(3)) + merge(3, 0, size(l) > sweep_bound(4))
-         sweeps(l) = sweeps(l) - 1
+         e1 = z(l, 1) - kappa(l, 1)*z(l, 2)*z(l, 3)
+         e2 = z(l, 2) - kappa(l, 2)*z(l, 3)*z(l, 1)
+         e3 = z(l, 3) - kappa(l, 3)*z(l, 1)*z(l, 2)
+         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), e1, e2, e3)
+         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), e1, e2, e3)
+         e(l, 1) = e1
+         e(l, 2) = e2
+         e(l, 3) = e3
          moved(l) = 0
+         sweeps(l) = 1 + merge(1, 0, size(l) > sweep_bound(1)) + merge(1, 0, size(l) > sweep_bound(2)) &
+                     + merge(1, 0, size(l) > sweep_bound(3)) + merge(3, 0, size(l) > sweep_bound(4))
       end do
-      above = maxval(size)
-      n = 1 + count(above > sweep_bound(1:4)) + merge(2, 0, above > sweep_bound(4))
-      do k = 1, min(n, most_sweeps)
+      do k = 1, maxval(sweeps)
          call newton(stretch, z, kappa, sweeps >= k, e, moved)
       end do
       do l = 1, lanes
-         zz = e(l, 1)**2 + e(l, 2)**2 + e(l, 3)**2
-         failed(l) = failed(l) .or. zz >= 1 .or. moved(l) > tolerance*zz
+         ee = e(l, 1)**2 + e(l, 2)**2 + e(l, 3)**2
+         failed(l) = failed(l) .or. ee >= 1 .or. moved(l) > tolerance*ee
       end do
    end subroutine solve
 
-   !> One sweep; `moved` = how far, squared, beyond what the next sweep will repair.
+   !> One sweep of the fixed-point iteration: gains one power of z.
+   pure subroutine sweep(stretch, z1, z2, z3, k1, k2, k3, e1, e2, e3)
+      real(dp), intent(in) :: stretch, z1, z2, z3, k1, k2, k3
+      real(dp), intent(inout) :: e1, e2, e3
+      real(dp) :: alpha, f1, f2
+      alpha = 1 + stretch*(e1*e1 + e2*e2 + e3*e3)
+      f1 = alpha*z1 - k1*e2*e3
+      f2 = alpha*z2 - k2*e3*e1
+      e3 = alpha*z3 - k3*e1*e2
+      e1 = f1
+      e2 = f2
+   end subroutine sweep
+
+   !> One sweep of Newton's method; `moved` = how far a lane went in its last one, squared.
    pure subroutine newton(stretch, z, kappa, active, e, moved)
       real(dp), intent(in) :: stretch, z(lanes, 3), kappa(lanes, 3)
       logical, intent(in) :: active(lanes)
@@ -135,7 +149,7 @@ contains
       real(dp) :: m11, m12, m13, m21, m22, m23, m31, m32, m33, c11, c12, c13, det, two
       integer :: l
       two = 2*stretch
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
          e1 = e(l, 1)
          e2 = e(l, 2)
@@ -186,7 +200,7 @@ contains
       i2 = class%order(2)
       i3 = class%order(3)
       parity = class%parity
-      !$omp simd simdlen(8)
+      !GCC$ ivdep
       do l = 1, lanes
          e1 = e(l, 1)
          e2 = e(l, 2)

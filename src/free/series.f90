@@ -40,20 +40,20 @@ contains
       integer :: l
       select case (degree)
       case (1)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 1)
             f(l) = f(l)*y(l) + h1(c(0, 0), x(l))
          end do
       case (2)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 2)
             f(l) = f(l)*y(l) + h1(c(0, 1), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 0), x(l))
          end do
       case (3)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 3)
             f(l) = f(l)*y(l) + h1(c(0, 2), x(l))
@@ -61,7 +61,7 @@ contains
             f(l) = f(l)*y(l) + h3(c(0, 0), x(l))
          end do
       case (4)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 4)
             f(l) = f(l)*y(l) + h1(c(0, 3), x(l))
@@ -70,7 +70,7 @@ contains
             f(l) = f(l)*y(l) + h4(c(0, 0), x(l))
          end do
       case (5)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 5)
             f(l) = f(l)*y(l) + h1(c(0, 4), x(l))
@@ -80,7 +80,7 @@ contains
             f(l) = f(l)*y(l) + h5(c(0, 0), x(l))
          end do
       case (6)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 6)
             f(l) = f(l)*y(l) + h1(c(0, 5), x(l))
@@ -91,7 +91,7 @@ contains
             f(l) = f(l)*y(l) + h6(c(0, 0), x(l))
          end do
       case (7)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 7)
             f(l) = f(l)*y(l) + h1(c(0, 6), x(l))
@@ -103,7 +103,7 @@ contains
             f(l) = f(l)*y(l) + h7(c(0, 0), x(l))
          end do
       case (8)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 8)
             f(l) = f(l)*y(l) + h1(c(0, 7), x(l))
@@ -116,7 +116,7 @@ contains
             f(l) = f(l)*y(l) + h8(c(0, 0), x(l))
          end do
       case (9)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 9)
             f(l) = f(l)*y(l) + h1(c(0, 8), x(l))
@@ -130,7 +130,7 @@ contains
             f(l) = f(l)*y(l) + h9(c(0, 0), x(l))
          end do
       case (10)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 10)
             f(l) = f(l)*y(l) + h1(c(0, 9), x(l))
@@ -145,7 +145,7 @@ contains
             f(l) = f(l)*y(l) + h10(c(0, 0), x(l))
          end do
       case (11)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             f(l) = c(0, 11)
             f(l) = f(l)*y(l) + h1(c(0, 10), x(l))
@@ -182,7 +182,7 @@ contains
       integer :: l
       select case (degree)
       case (4)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             t(l) = h1(a(0, 1), e(l))
             t(l) = t(l)*f(l) + h3(a(0, 0), e(l))
@@ -191,7 +191,7 @@ contains
             w(l) = w(l)*f(l) + h4(b(0, 0), e(l))
          end do
       case (6)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             t(l) = h1(a(0, 2), e(l))
             t(l) = t(l)*f(l) + h3(a(0, 1), e(l))
@@ -202,7 +202,7 @@ contains
             w(l) = w(l)*f(l) + h6(b(0, 0), e(l))
          end do
       case (8)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             t(l) = h1(a(0, 3), e(l))
             t(l) = t(l)*f(l) + h3(a(0, 2), e(l))
@@ -215,7 +215,7 @@ contains
             w(l) = w(l)*f(l) + h8(b(0, 0), e(l))
          end do
       case (10)
-         !$omp simd simdlen(8)
+         !GCC$ ivdep
          do l = 1, lanes
             t(l) = h1(a(0, 4), e(l))
             t(l) = t(l)*f(l) + h3(a(0, 3), e(l))
