@@ -129,7 +129,7 @@ contains
       worst = 0
       do k = 1, trials
          a = 10._dp**mod(k, 200_i8)*random_direction(seed, k)
-         if (k <= 9) a = identity_matrix(:, 1 + mod(k, 3_i8)) + 1e-20_dp*(k/3) ! next to an axis
+         if (k <= 9) a = identity_matrix(:, 1 + mod(k, 3_i8)) + 1e-20_dp*(k/4) ! on or near an axis
          p = perpendicular(a)
          worst = max(worst, abs(dot_product(unit_vector(a), p)), abs(vector_norm(p) - 1))
       end do
