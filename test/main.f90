@@ -1,24 +1,33 @@
-!> Runs the test suites:  check [SUITE [TEST]]
+!> Runs the test suites:  check [--deep] [SUITE [TEST]]     (--deep: the long suites too)
 !> The last line is "N passed, M failed"; the exit code is non-zero if a test failed or none ran.
 program check_poinsot
    use, intrinsic :: iso_fortran_env, only: output_unit
    use testdrive, only: testsuite_type, unittest_type, new_testsuite, select_suite
    use testdrive, only: run_selected, get_argument
+   use poinsot_core_kinds, only: dp, i8
    use test_core, only: collect_core
    implicit none(type, external)
 
    type(testsuite_type), allocatable :: suites(:)
    character(:), allocatable :: suite, test
-   integer :: i, run, failed, skipped
+   integer :: i, first, run, failed, skipped
 
    suites = [ &
       new_testsuite("core", collect_core)]
+   first = 1
+   call get_argument(first, suite)
+   if (allocated(suite)) then
+      if (suite == "--deep") then
+         first = 2
+         suites = [suites, deep_suites()]
+      end if
+   end if
 
    run = 0
    failed = 0
    skipped = 0
-   call get_argument(1, suite)
-   call get_argument(2, test)
+   call get_argument(first, suite)
+   call get_argument(first + 1, test)
    if (.not. allocated(suite)) then
       do i = 1, size(suites)
          call run_suite(suites(i))
@@ -41,20 +50,31 @@ program check_poinsot
 
 contains
 
+   !> Suites that take long: `make check-deep`.
+   function deep_suites() result(list)
+      type(testsuite_type), allocatable :: list(:)
+      allocate (list(0))
+   end function deep_suites
+
    !> All tests of a suite, one after the other: some of them change thread counts.
    subroutine run_suite(this)
       type(testsuite_type), intent(in) :: this
       type(unittest_type), allocatable :: tests(:)
       integer :: k
+      integer(i8) :: start, finish, rate
+      call system_clock(start, rate)
       call this%collect(tests)
       write (output_unit, '("# Suite ", a, ", ", i0, " tests")') this%name, size(tests)
       do k = 1, size(tests)
          call run_test(this, tests(k)%name)
       end do
+      call system_clock(finish)
+      write (output_unit, '("# Suite ", a, ": ", f0.1, " s")') &
+         this%name, real(finish - start, dp)/real(rate, dp)
    end subroutine run_suite
 
-   !> One test; an unknown name lists the names and runs nothing. The framework tells failures by a number and skipped
-   !> tests in words only, so its words pass through a scratch file.
+   !> One test; an unknown name lists the names and runs nothing. The framework tells failures by a
+   !> number, but skipped tests in words only, so its words pass through a scratch file.
    subroutine run_test(this, name)
       type(testsuite_type), intent(in) :: this
       character(*), intent(in) :: name

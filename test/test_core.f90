@@ -24,7 +24,7 @@ contains
 
    subroutine test_kinds(error)
       type(error_type), allocatable, intent(out) :: error
-      call check(error, precision(1.0_dp) >= 15 .and. precision(1.0_qp) >= 33, "kinds are too short")
+      call check(error, precision(1.0_dp) >= 15 .and. precision(1.0_qp) >= 33, "short kinds")
       if (allocated(error)) return
       call check(error, bit_size(0_i4) == 32 .and. bit_size(0_i8) == 64, "integer kinds")
       if (allocated(error)) return
@@ -63,8 +63,8 @@ contains
       call check(error,.not. raised(e), "a new error is raised")
       if (allocated(error)) return
       call raise(e, poinsot_e_null, "y is NULL")
-      call check(error, raised(e) .and. e%code == poinsot_e_null .and. e%message == "y is NULL", &
-         "raise with a message")
+      call check(error, raised(e) .and. e%code == poinsot_e_null .and. &
+         e%message == "y is NULL", "raise with a message")
       if (allocated(error)) return
       call raise(e, poinsot_e_cpu)
       call check(error, e%message, status_text(poinsot_e_cpu))

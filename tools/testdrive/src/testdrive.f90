@@ -1,4 +1,5 @@
-!> Stand-in for test-drive, written for poinsot: the part of the interface that our tests use (see README.md).
+!> Stand-in for test-drive, written for poinsot: the part of the interface that our tests use
+!> (see README.md).
 module testdrive
    use, intrinsic :: iso_fortran_env, only: int8, int16, int32, int64, real32, real64
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
@@ -57,8 +58,9 @@ module testdrive
    interface check
       module procedure :: check_status, check_true, check_logical, check_text
       module procedure :: check_int8, check_int16, check_int32, check_int64
-      module procedure :: check_real32, check_real64, check_number32, check_number64
-      module procedure :: check_complex32, check_complex64, check_complex_number32, check_complex_number64
+      module procedure :: check_real32, check_real64, check_complex32, check_complex64
+      module procedure :: check_number32, check_number64
+      module procedure :: check_complex_number32, check_complex_number64
    end interface check
 
    !> A number as text.
@@ -120,7 +122,8 @@ contains
       if (present(parallel)) continue
       call collect(tests)
       do i = 1, size(tests)
-         write (unit, '("   Starting ", a, " ... (", i0, "/", i0, ")")') tests(i)%name, i, size(tests)
+         write (unit, '("   Starting ", a, " ... (", i0, "/", i0, ")")') &
+            tests(i)%name, i, size(tests)
          call run_one(tests(i), unit, stat)
       end do
    end subroutine run_testsuite
@@ -198,7 +201,9 @@ contains
    subroutine stop_if_unseen(error)
       type(error_type), intent(inout) :: error
       if (error%stat == code_ok) return
-      if (allocated(error%message)) error stop "a check failed and the test went on: "//error%message
+      if (allocated(error%message)) then
+         error stop "a check failed and the test went on: "//error%message
+      end if
       error stop "a check failed and the test went on"
    end subroutine stop_if_unseen
 
@@ -301,8 +306,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       complex(real32), intent(in) :: actual
       character(*), intent(in), optional :: message, more
-      call conclude(error, .not. (ieee_is_nan(actual%re) .or. ieee_is_nan(actual%im)), "not a number", "", &
-         message, more)
+      call conclude(error, .not. (ieee_is_nan(actual%re) .or. ieee_is_nan(actual%im)), &
+         "not a number", "", message, more)
    end subroutine check_complex_number32
 
    !> Two reals that agree to `thr` (default: epsilon), absolutely or relative to `expected`.
@@ -322,16 +327,18 @@ contains
       if (finite) then
          if (present(rel)) tolerance = merge(tolerance*abs(expected), tolerance, rel)
          good = abs(actual - expected) <= tolerance
-         difference = ", difference "//to_string(abs(actual - expected))//", allowed "//to_string(tolerance)
+         difference = ", difference "//to_string(abs(actual - expected))// &
+            ", allowed "//to_string(tolerance)
       else
          good = .not. (ieee_is_nan(actual) .or. ieee_is_nan(expected))
          if (good) good = actual <= expected .and. actual >= expected
       end if
       call conclude(error, good, "reals differ", &
-         "expected "//to_string(expected)//", got "//to_string(actual)//difference, message, more)
+         "expected "//to_string(expected)//", got "//to_string(actual)//difference, &
+         message, more)
    end subroutine check_real32
 
-   !> Two complex numbers that agree to `thr` (default: epsilon), absolutely or relative to `expected`.
+   !> Two complex numbers that agree to `thr` (default: epsilon), or to that part of `expected`.
    subroutine check_complex32(error, actual, expected, message, more, thr, rel)
       type(error_type), allocatable, intent(out) :: error
       complex(real32), intent(in) :: actual, expected
@@ -364,8 +371,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       complex(real64), intent(in) :: actual
       character(*), intent(in), optional :: message, more
-      call conclude(error, .not. (ieee_is_nan(actual%re) .or. ieee_is_nan(actual%im)), "not a number", "", &
-         message, more)
+      call conclude(error, .not. (ieee_is_nan(actual%re) .or. ieee_is_nan(actual%im)), &
+         "not a number", "", message, more)
    end subroutine check_complex_number64
 
    !> Two reals that agree to `thr` (default: epsilon), absolutely or relative to `expected`.
@@ -385,16 +392,18 @@ contains
       if (finite) then
          if (present(rel)) tolerance = merge(tolerance*abs(expected), tolerance, rel)
          good = abs(actual - expected) <= tolerance
-         difference = ", difference "//to_string(abs(actual - expected))//", allowed "//to_string(tolerance)
+         difference = ", difference "//to_string(abs(actual - expected))// &
+            ", allowed "//to_string(tolerance)
       else
          good = .not. (ieee_is_nan(actual) .or. ieee_is_nan(expected))
          if (good) good = actual <= expected .and. actual >= expected
       end if
       call conclude(error, good, "reals differ", &
-         "expected "//to_string(expected)//", got "//to_string(actual)//difference, message, more)
+         "expected "//to_string(expected)//", got "//to_string(actual)//difference, &
+         message, more)
    end subroutine check_real64
 
-   !> Two complex numbers that agree to `thr` (default: epsilon), absolutely or relative to `expected`.
+   !> Two complex numbers that agree to `thr` (default: epsilon), or to that part of `expected`.
    subroutine check_complex64(error, actual, expected, message, more, thr, rel)
       type(error_type), allocatable, intent(out) :: error
       complex(real64), intent(in) :: actual, expected
