@@ -12,7 +12,7 @@ FC=${FC:-gfortran}
 export FC
 POINSOT_APP=$PWD/build/stage/bin/poinsot # for tests of the command line
 export POINSOT_APP
-passed=0 failed=0
+passed=0 failed=0 empty=0
 mkdir -p build/log
 
 # Run a command and show what it says; add up its lines "N passed, M failed". One that stops without such a line, or with
@@ -28,14 +28,19 @@ counted() {
       / \[(FAILED|UNEXPECTED PASS)\]$/ { open_failed++ }
       END { print passed + open_passed, failed + open_failed, closed + 0 }' "$log")
    passed=$((passed + $1)) failed=$((failed + $2))
-   if [ "$3" = 0 ] || { [ "$code" != 0 ] && [ "$2" = 0 ]; }; then
+   if [ "$3" = 1 ] && [ "$1$2" = 00 ]; then
+      empty=1
+   elif [ "$3" = 0 ] || { [ "$code" != 0 ] && [ "$2" = 0 ]; }; then
       echo "stopped before its end (exit code $code), in or after the last test above: counted as one failure"
       failed=$((failed + 1))
    fi
 }
 
+# What the build says is shown only if it fails: warnings are the business of `make lint`.
 suites() {
-   "$fpm" test ${arguments:+--target check} --compiler "$FC" --flag "$1" --link-flag "$(tools/flags.sh link)" -- $arguments
+   set -- --compiler "$FC" --flag "$1" --link-flag "$(tools/flags.sh link)"
+   "$fpm" build --tests "$@" >build/log/build 2>&1 || { cat build/log/build; return 1; }
+   "$fpm" test ${arguments:+--target check} "$@" -- $arguments
 }
 
 arguments=$*
@@ -50,4 +55,4 @@ if [ -z "$arguments" ] && [ -x test/installed.sh ]; then
 fi
 
 printf '\n%d passed, %d failed\n' $passed $failed
-[ $failed -eq 0 ] && [ $passed -gt 0 ]
+[ $failed -eq 0 ] && [ $passed -gt 0 ] && [ $empty = 0 ]
