@@ -109,16 +109,14 @@ install() {
          fi
       fi ;;
    esac
+   set -- $as
+   [ $with != apt-get ] || set -- "$@" env DEBIAN_FRONTEND=noninteractive
    if [ $with = apt-get ]; then
-      say "$as apt-get update"
-      $as apt-get update -qq || say "apt-get update failed, trying with the lists that are there"
-      [ -z "$as" ] || as="$as env"
-      say "$command"
-      if [ -n "$as" ]; then $as DEBIAN_FRONTEND=noninteractive $command; else DEBIAN_FRONTEND=noninteractive $command; fi
-   else
-      say "$as $command"
-      $as $command
-   fi >"$scratch/install.log" 2>&1 || { tail -n 20 "$scratch/install.log" >&2; stop "the installation failed: $command"; }
+      say "apt-get update"
+      "$@" apt-get update -qq >"$scratch/log" 2>&1 || say "apt-get update failed, going on with the lists that are there"
+   fi
+   say "$command"
+   "$@" $command >"$scratch/log" 2>&1 || { tail -n 20 "$scratch/log" >&2; stop "the installation failed: $command"; }
    say "installed: $packages"
 }
 
