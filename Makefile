@@ -25,8 +25,9 @@ out := poinsot-out
 
 all: build
 
+# Without pruning: the library holds every module, not only those that the app reaches.
 build: setup ## set up what is missing; build library and app (into build/stage)
-	@$(fpm) install --prefix $(stage) --compiler $(FC) --flag "$$(tools/flags.sh release)" \
+	@$(fpm) install --no-prune --prefix $(stage) --compiler $(FC) --flag "$$(tools/flags.sh release)" \
 	   --link-flag "$$(tools/flags.sh link)" >build/build.log 2>&1 || { cat build/build.log; exit 1; }
 	@echo "built: $(stage)/bin/poinsot and $(stage)/lib/libpoinsot.a"
 

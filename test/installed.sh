@@ -58,6 +58,7 @@ files() {
       lib/cmake/poinsot/poinsotConfig.cmake include/poinsot/poinsot_core_version.mod share/poinsot/installed.txt; do
       [ -e "$prefix/$it" ] || { echo "$it is not there"; return 1; }
    done
+   if nm "$prefix/lib/libpoinsot.a" | grep -q testdrive; then echo "test-drive is in the library"; return 1; fi
 }
 app() { "$prefix/bin/poinsot" --version | grep -F "$version"; }
 nothing_left() { [ "$(cd "$prefix" && find . | sort | tr '\n' ' ')" = ". ./stranger " ] || { find "$prefix"; return 1; }; }

@@ -60,14 +60,22 @@ filled() {
         s|@POINTER@|$(($(getconf LONG_BIT) / 8))|g; s|@UP@|$up|g" "tools/install/$1.in" >"$scratch/$1"
 }
 
+# The static library: what fpm made, without the dependencies that it puts there too (test-drive).
+make_static() {
+   cp $stage/lib/libpoinsot.a "$scratch/libpoinsot.a"
+   others=$(ar t "$scratch/libpoinsot.a" | grep '^build_dependencies_' || true)
+   [ -z "$others" ] || ar d "$scratch/libpoinsot.a" $others
+   ar s "$scratch/libpoinsot.a"
+}
+
 # The shared library: all objects of the static one, with LAPACK, the OpenMP and the Fortran runtime linked in by name, so
 # that dlopen from a program that has none of them works.
 make_shared() {
    set -- $(tools/flags.sh link) -fopenmp -llapack -lblas
    if [ "$(uname)" = Darwin ]; then
-      "$FC" -dynamiclib -o "$scratch/$shared" -Wl,-install_name,@rpath/$soname -Wl,-force_load,$stage/lib/libpoinsot.a "$@"
+      "$FC" -dynamiclib -o "$scratch/$shared" -Wl,-install_name,@rpath/$soname -Wl,-force_load,"$scratch/libpoinsot.a" "$@"
    else
-      "$FC" -shared -o "$scratch/$shared" -Wl,-soname,$soname -Wl,--whole-archive $stage/lib/libpoinsot.a \
+      "$FC" -shared -o "$scratch/$shared" -Wl,-soname,$soname -Wl,--whole-archive "$scratch/libpoinsot.a" \
          -Wl,--no-whole-archive -Wl,--no-undefined -Wl,-z,noexecstack "$@"
    fi
 }
@@ -102,10 +110,11 @@ else
    shared=libpoinsot.so.$version soname=libpoinsot.so.${version%%.*} plain=libpoinsot.so
 fi
 private=$(private_libraries)
+make_static
 make_shared
 [ ! -f "$root/$list" ] || uninstall
 
-put 644 $stage/lib/libpoinsot.a "$libdir/libpoinsot.a"
+put 644 "$scratch/libpoinsot.a" "$libdir/libpoinsot.a"
 put 755 "$scratch/$shared" "$libdir/$shared"
 link_to "$shared" "$libdir/$soname"
 link_to "$soname" "$libdir/$plain"
