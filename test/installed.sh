@@ -35,6 +35,10 @@ skip() { echo "       ... $1 [SKIPPED] $2"; skipped=$((skipped + 1)); }
 have() { command -v "$1" >/dev/null 2>&1; }
 config() { PKG_CONFIG_PATH=$prefix/lib/pkgconfig pkg-config "$@" poinsot; }
 
+by_hand() {
+   "$CC" -std=c99 test/consumer/consumer.c -o build/installed/build/by-hand -I"$prefix/include" -L"$prefix/lib" -lpoinsot -lm &&
+      LD_LIBRARY_PATH=$prefix/lib build/installed/build/by-hand
+}
 # pkg-config escapes the blank of the prefix; eval takes it back.
 shared_c() {
    eval "$CC -std=c99 -pedantic -Wall -Wextra -Werror test/consumer/consumer.c -o build/installed/build/shared \
@@ -73,6 +77,7 @@ if have "$PYTHON" && [ "$(uname)" != Darwin ]; then
 else
    skip "dlopen" "no $PYTHON"
 fi
+[ -z "$have_api" ] || expect "c-by-hand" by_hand
 if have pkg-config; then
    expect "fortran-by-pkg-config" fortran
    if [ -n "$have_api" ]; then

@@ -226,8 +226,16 @@ test_drive_needs() {
    if is_stand_in; then
       say "test-drive: the stand-in of tools/testdrive (its repository did not answer; 'make distclean' asks again)"
    else
-      say "test-drive: the original, $(from_manifest tag)"
+      say "test-drive: the original, version $(sed -n 's/^version *= *"\(.*\)".*/\1/p' $test_drive/fpm.toml)"
    fi
+}
+
+# fpm adds to an archive but takes nothing away, and its objects outlive a change of test-drive: after a source file came, went
+# or moved, the build starts anew.
+forget_old_objects() {
+   find src $test_drive/src -name '*.[fF]90' | sort >"$scratch/sources"
+   cmp -s "$scratch/sources" build/sources.txt || rm -rf build/*_????????????????
+   cp "$scratch/sources" build/sources.txt
 }
 
 # -------------------------------------------------------------------------------------------------------------------
@@ -235,6 +243,7 @@ test_drive_needs() {
 system_needs "$@"
 fpm_needs
 test_drive_needs
+forget_old_objects
 for it in "$@"; do
    case $it in
    lint) fortitude_needs ;;
