@@ -2,7 +2,7 @@
 !> The last line is "N passed, M failed"; the exit code is non-zero if a test failed or none ran.
 program check_poinsot
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use testdrive, only: testsuite_type, unittest_type, new_testsuite, select_suite
+   use testdrive, only: testsuite_type, unittest_type, new_testsuite, select_suite, select_test
    use testdrive, only: run_selected, get_argument
    use poinsot_core_kinds, only: dp, i8
    use test_core, only: collect_core
@@ -66,6 +66,7 @@ contains
       call this%collect(tests)
       write (output_unit, '("# Suite ", a, ", ", i0, " tests")') this%name, size(tests)
       do k = 1, size(tests)
+         if (select_test(tests, tests(k)%name) /= k) error stop "two tests of one name in a suite"
          call run_test(this, tests(k)%name)
       end do
       call system_clock(finish)
