@@ -58,7 +58,7 @@ contains
    end subroutine get_friction
 
    !> A zero moment has 1/I = 0: its momentum, which is zero, stays.
-   subroutine apply(self, class, h, seed, id, step, half, y, q)
+   subroutine apply(self, class, h, seed, id, step, half, q, y)
       class(drag), intent(in) :: self
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h
@@ -66,8 +66,8 @@ contains
       integer(i8), intent(in) :: id(lanes)
       integer(i8), intent(in) :: step
       integer, intent(in) :: half
+      real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
-      real(dp), intent(inout) :: q(lanes, 4)
       integer :: j
       associate (unused_1 => seed, unused_2 => id, unused_3 => step, unused_4 => half, unused_5 => q)
       end associate

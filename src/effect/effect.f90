@@ -78,7 +78,7 @@ module poinsot_effect_effect
       end subroutine add_energy
 
       !> The flow over a time h: half the step, before it (half = 0) and after it (half = 1).
-      subroutine apply(self, class, h, seed, id, step, half, y, q)
+      subroutine apply(self, class, h, seed, id, step, half, q, y)
          import :: flow_effect, body_class, dp, i8, lanes
          class(flow_effect), intent(in) :: self
          type(body_class), intent(in) :: class
@@ -87,8 +87,8 @@ module poinsot_effect_effect
          integer(i8), intent(in) :: id(lanes)    !! of the bodies
          integer(i8), intent(in) :: step         !! number of the step
          integer, intent(in) :: half             !! 0 before the step, 1 after it
+         real(dp), intent(in) :: q(lanes, 4)     !! attitudes: a torque at them stays valid
          real(dp), intent(inout) :: y(lanes, 3)  !! angular momenta
-         real(dp), intent(inout) :: q(lanes, 4)
       end subroutine apply
 
       !> sources(:, body(i)) = what the other bodies need to know of lane i; body = 0 is padding.

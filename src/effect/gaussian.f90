@@ -6,19 +6,18 @@
 module poinsot_effect_gaussian
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_elliptic_elementary, only: log_block, sincos_block
+   use poinsot_rotation_random, only: stream_noise
    implicit none(type, external)
    private
    public :: gaussian_block, philox_block
 
    integer(i8), parameter :: low32 = 4294967295_i8
    integer(i8), parameter :: low16 = 65535_i8
+   ! the words of poinsot_rotation_random, in a form that vectorises over lanes
    integer(i8), parameter :: weyl(2) = [2654435769_i8, 3144134277_i8]
    integer(i8), parameter :: factor_high(2) = [53841_i8, 52638_i8]  !! upper halves of D2511F53, CD9E8D57
    integer(i8), parameter :: factor_low(2) = [8019_i8, 36183_i8]    !! their lower halves
    integer, parameter :: rounds = 10
-
-   !> Sets these numbers apart from any others drawn with the same seed: top byte of the counter.
-   integer(i8), parameter :: purpose = 64
 
 contains
 
@@ -26,13 +25,13 @@ contains
    pure subroutine gaussian_block(seed, id, step, half, xi)
       integer(i8), intent(in) :: seed         !! of the run
       integer(i8), intent(in) :: id(lanes)    !! of the bodies
-      integer(i8), intent(in) :: step         !! number of the step, below 2^56
+      integer(i8), intent(in) :: step         !! number of the step: its low 48 bits count
       integer, intent(in) :: half             !! 0 or 1: before or after the step
       real(dp), intent(out) :: xi(lanes, 3)
       integer(i8) :: counter(lanes, 4), word(lanes, 4), tag
       real(dp), dimension(lanes) :: u, angle, r1, r2, s, c
       real(dp), parameter :: unit = 2.0_dp**(-32), two_pi = 6.2831853071795865_dp
-      tag = ior(iand(shiftr(step, 32), 16777215_i8), shiftl(purpose + half, 24))
+      tag = ior(iand(shiftr(step, 32), low16), shiftl(int(stream_noise + half, i8), 16))
       counter(:, 1) = iand(id, low32)
       counter(:, 2) = shiftr(id, 32)
       counter(:, 3) = iand(step, low32)

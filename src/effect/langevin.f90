@@ -55,7 +55,7 @@ contains
    end subroutine make_langevin
 
    !> A zero moment gets neither friction nor noise.
-   subroutine apply(self, class, h, seed, id, step, half, y, q)
+   subroutine apply(self, class, h, seed, id, step, half, q, y)
       class(langevin), intent(in) :: self
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h
@@ -63,8 +63,8 @@ contains
       integer(i8), intent(in) :: id(lanes)
       integer(i8), intent(in) :: step
       integer, intent(in) :: half
+      real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
-      real(dp), intent(inout) :: q(lanes, 4)
       real(dp) :: xi(lanes, 3), x, width
       integer :: j
       associate (unused => q)

@@ -150,7 +150,10 @@ contains
    !> and kicks; the coefficients solve the order conditions with the least sum of squares.
    pure subroutine add_processor(row)
       type(splitting), intent(inout) :: row
-      real(dp), parameter :: b(*) = [0.0_dp]
+      real(dp), parameter :: b(*) = [ &
+         0.11804257670960278_dp, -0.0862006645713153_dp, 0.24702625764338573_dp, 0.245074981924611_dp, &
+         0.20795405485274107_dp, -0.13290448562578844_dp, -0.25694324274260005_dp, 0.12189993888971454_dp, &
+         -0.3160796464631296_dp, -0.1478697706172218_dp]
       deallocate (row%enter, row%leave)
       row%leave = alternating("T", b, 0*b)
       row%enter = alternating("K", -b(size(b):1:-1), 0*b)
