@@ -35,8 +35,13 @@ echo "lint: $FC, warnings as errors"
 # Equality of reals stays allowed: a zero moment, a fixed point and a saturated series are exact questions. So do unused dummy
 # arguments: kernels of one interface need not all of them. "May be used uninitialized" is shown, not refused: gfortran 12 says
 # it of descriptors of allocatable components.
-$tools/fpm build --compiler "$FC" --link-flag "$(tools/flags.sh link)" --flag "-Og -fopenmp -Wtrampolines \
-   -Werror -Wall -Wextra -Wno-compare-reals -Wno-unused-dummy-argument -Wno-error=maybe-uninitialized" >build/lint.log 2>&1 || { cat build/lint.log; bad=1; }
+warnings="-Werror -Wall -Wextra -Wtrampolines -Wno-compare-reals -Wno-unused-dummy-argument -Wno-error=maybe-uninitialized"
+if $tools/fpm build --compiler "$FC" --link-flag "$(tools/flags.sh link)" --flag "-Og -fopenmp $warnings" >build/lint.log 2>&1; then
+   grep -B 4 '^Warning' build/lint.log
+else
+   cat build/lint.log
+   bad=1
+fi
 
 if [ $bad = 0 ]; then echo "lint: nothing to say"; else echo "lint: see above"; fi
 exit $bad
