@@ -51,10 +51,9 @@ module poinsot_ensemble_coupled
       type(poinsot_plan), pointer :: plan => null()
       type(station), allocatable :: at(:)
       class(torque_callback), pointer :: callback => null()
-      real(dp), allocatable :: sources(:, :), changes(:, :)       !! (3, n): work space of pair effects
+      real(dp), allocatable :: sources(:, :, :), changes(:, :)    !! (3, n, effects), (3, n): of pair effects
       real(dp), allocatable :: q(:, :), torque(:, :)              !! (n, 4), (n, 3): what the callback sees
       real(dp) :: energy = 0                                      !! what it answered last
-      logical :: changed = .false.
       integer :: n = 0, team = 1
    contains
       procedure :: drift => drift_all
@@ -160,7 +159,9 @@ contains
             blocks = blocks + 1
          end do
       end do
-      allocate (system%at(blocks), system%sources(3, view%n), system%changes(3, view%n), stat=state)
+      allocate (system%at(blocks), stat=state)
+      if (state == 0 .and. plan%coupled) &
+         allocate (system%sources(3, view%n, size(plan%effects)), system%changes(3, view%n), stat=state)
       if (state == 0 .and. associated(system%callback)) &
          allocate (system%q(view%n, 4), system%torque(view%n, 3), stat=state)
       if (state /= 0) then
@@ -265,26 +266,16 @@ contains
    subroutine kick_all(self, t, b, c)
       class(ensemble_flows), intent(inout) :: self
       real(dp), intent(in) :: t, b, c
-      real(dp) :: none(lanes, 3)
       integer :: k
       if (.not. self%fresh) call evaluate_torques(self, t)
       if (self%halted) return
       self%fresh = .true.
-      if (abs(c) > 0) then
-         call evaluate_gradients(self, t)
-         !$omp parallel do num_threads(self%team) schedule(static) default(none) shared(self, b, c) private(k)
-         do k = 1, size(self%at)
-            call self%at(k)%flows%push(b, c, self%at(k)%flows%gradient)
-         end do
-         !$omp end parallel do
-      else
-         none = 0
-         !$omp parallel do num_threads(self%team) schedule(static) default(none) shared(self, b, none) private(k)
-         do k = 1, size(self%at)
-            call self%at(k)%flows%push(b, 0.0_dp, none)
-         end do
-         !$omp end parallel do
-      end if
+      if (abs(c) > 0) call evaluate_gradients(self, t)
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) shared(self, b, c) private(k)
+      do k = 1, size(self%at)
+         call self%at(k)%flows%push(b, c)
+      end do
+      !$omp end parallel do
    end subroutine kick_all
 
    !> Torques of all bodies at time t, into each block's g.
@@ -301,7 +292,7 @@ contains
                select type (one => self%plan%effects(i)%it)
                class is (pair_effect)
                   if (one%acts_on(s%b%class)) &
-                     call one%add_torque(s%b%class, s%b%at, s%flows%q, self%sources, s%flows%g)
+                     call one%add_torque(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i), s%flows%g)
                end select
             end do
          end associate
@@ -317,13 +308,14 @@ contains
    subroutine lay_all(self)
       type(ensemble_flows), intent(inout) :: self
       integer :: k, i
-      self%sources = 0
+      if (self%plan%coupled) self%sources = 0
       do i = 1, size(self%plan%effects)
          select type (one => self%plan%effects(i)%it)
          class is (pair_effect)
             do k = 1, size(self%at)
                associate (s => self%at(k))
-                  if (one%acts_on(s%b%class)) call one%lay_source(s%b%class, s%b%at, s%flows%q, self%sources)
+                  if (one%acts_on(s%b%class)) call one%lay_source(s%b%class, s%b%at, s%flows%q, &
+                                                                    self%sources(:, :, i))
                end associate
             end do
          end select
@@ -340,7 +332,7 @@ contains
          select type (one => self%plan%effects(i)%it)
          class is (pair_effect)
             associate (s => self%at(k))
-               if (one%acts_on(s%b%class)) call one%add_energy(s%b%class, s%b%at, s%flows%q, self%sources, u)
+               if (one%acts_on(s%b%class)) call one%add_energy(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i), u)
             end associate
          end select
       end do
@@ -403,7 +395,7 @@ contains
             do k = 1, size(self%at)
                associate (s => self%at(k))
                   if (one%acts_on(s%b%class)) call one%add_derivative(s%b%class, s%b%at, s%flows%q, s%flows%delta, &
-                                                                      self%sources, self%changes, s%flows%gradient)
+                                                                      self%sources(:, :, i), self%changes, s%flows%gradient)
                end associate
             end do
          end select

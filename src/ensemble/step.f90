@@ -182,6 +182,7 @@ contains
       associate (f => self%flows(b%class), scheme => self%schemes(b%class), unused => class%moments)
          f%y = b%y
          f%q = b%q
+         f%fresh = .false.
          f%status = b%status
          f%id = b%id
          f%compensated = self%compensated

@@ -34,6 +34,8 @@ module poinsot_splitting_block_flows
       integer(i8) :: seed = 0
       logical :: compensated = .false.
       real(dp) :: g(lanes, 3) = 0                        !! body torque, valid if `fresh`
+      real(dp) :: delta(lanes, 3) = 0                    !! M g, while a force gradient is made
+      real(dp) :: gradient(lanes, 3) = 0                 !! force gradient G
       type(body_class), pointer :: class => null()
       type(free_method), pointer :: method => null()
       type(torque_pointer), allocatable :: torques(:)
@@ -47,6 +49,11 @@ module poinsot_splitting_block_flows
       procedure :: kick
       procedure :: outer
       procedure :: energies
+      procedure :: start_torque
+      procedure :: freeze_torque
+      procedure :: start_gradient
+      procedure :: finish_gradient
+      procedure :: push
    end type block_flows
 
 contains
@@ -201,28 +208,80 @@ contains
    subroutine kick(self, t, b, c)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: t, b, c
-      real(dp) :: dy(lanes, 3), gradient(lanes, 3)
-      integer :: i
       if (.not. self%fresh) then
-         self%g = 0
-         do i = 1, size(self%torques)
-            call self%torques(i)%it%add_torque(self%class, t, self%q, self%g)
-         end do
-         call freeze(self%class, self%g)
+         call self%start_torque(t)
+         call self%freeze_torque()
          self%fresh = .true.
       end if
-      dy = b*self%g
       if (abs(c) > 0) then
-         call force_gradient(self, t, gradient)
-         dy = dy + c*gradient
+         call self%start_gradient(t)
+         call self%finish_gradient()
       end if
+      call self%push(b, c)
+   end subroutine kick
+
+   !> g = the torques of the block's own effects at time t.
+   subroutine start_torque(self, t)
+      class(block_flows), intent(inout) :: self
+      real(dp), intent(in) :: t
+      integer :: i
+      self%g = 0
+      if (.not. allocated(self%torques)) return
+      do i = 1, size(self%torques)
+         call self%torques(i)%it%add_torque(self%class, t, self%q, self%g)
+      end do
+   end subroutine start_torque
+
+   !> What others may have added to g is done: mask axes without inertia.
+   subroutine freeze_torque(self)
+      class(block_flows), intent(inout) :: self
+      call freeze(self%class, self%g)
+   end subroutine freeze_torque
+
+   !> gradient = Dg[M g] of the block's own effects; delta = M g.
+   subroutine start_gradient(self, t)
+      class(block_flows), intent(inout) :: self
+      real(dp), intent(in) :: t
+      integer :: i
+      do i = 1, 3
+         self%delta(:, i) = self%class%inverse(i)*self%g(:, i)
+      end do
+      self%gradient = 0
+      if (.not. allocated(self%torques)) return
+      do i = 1, size(self%torques)
+         call self%torques(i)%it%add_derivative(self%class, t, self%q, self%delta, self%gradient)
+      end do
+   end subroutine start_gradient
+
+   !> gradient = G = 2 (Dg[M g] + (M g) x g), from Dg[M g].
+   subroutine finish_gradient(self)
+      class(block_flows), intent(inout) :: self
+      integer :: l
+      associate (dg => self%gradient, delta => self%delta, g => self%g)
+         !GCC$ ivdep
+         do l = 1, lanes
+            dg(l, 1) = 2*(dg(l, 1) + (delta(l, 2)*g(l, 3) - delta(l, 3)*g(l, 2)))
+            dg(l, 2) = 2*(dg(l, 2) + (delta(l, 3)*g(l, 1) - delta(l, 1)*g(l, 3)))
+            dg(l, 3) = 2*(dg(l, 3) + (delta(l, 1)*g(l, 2) - delta(l, 2)*g(l, 1)))
+         end do
+      end associate
+      call freeze(self%class, self%gradient)
+   end subroutine finish_gradient
+
+   !> y += b g + c G with what stands in g and gradient.
+   subroutine push(self, b, c)
+      class(block_flows), intent(inout) :: self
+      real(dp), intent(in) :: b, c
+      real(dp) :: dy(lanes, 3)
+      dy = b*self%g
+      if (abs(c) > 0) dy = dy + c*self%gradient
       call still(self%status, dy)
       if (self%compensated) then
          call add_kick_compensated(dy, self%y, self%carry)
       else
          call add_kick(dy, self%y)
       end if
-   end subroutine kick
+   end subroutine push
 
    !> An axis without inertia takes no torque.
    pure subroutine freeze(class, g)
@@ -233,28 +292,6 @@ contains
          if (.not. class%moments(j) > 0) g(:, j) = 0
       end do
    end subroutine freeze
-
-   subroutine force_gradient(self, t, gradient)
-      class(block_flows), intent(in) :: self
-      real(dp), intent(in) :: t
-      real(dp), intent(out) :: gradient(lanes, 3)
-      real(dp) :: delta(lanes, 3), dg(lanes, 3)
-      integer :: i
-      do i = 1, 3
-         delta(:, i) = self%class%inverse(i)*self%g(:, i)
-      end do
-      dg = 0
-      do i = 1, size(self%torques)
-         call self%torques(i)%it%add_derivative(self%class, t, self%q, delta, dg)
-      end do
-      !$omp simd
-      do i = 1, lanes
-         gradient(i, 1) = 2*(dg(i, 1) + (delta(i, 2)*self%g(i, 3) - delta(i, 3)*self%g(i, 2)))
-         gradient(i, 2) = 2*(dg(i, 2) + (delta(i, 3)*self%g(i, 1) - delta(i, 1)*self%g(i, 3)))
-         gradient(i, 3) = 2*(dg(i, 3) + (delta(i, 1)*self%g(i, 2) - delta(i, 2)*self%g(i, 1)))
-      end do
-      call freeze(self%class, gradient)
-   end subroutine force_gradient
 
    !> Flows outside the scheme, in reverse order after the step.
    subroutine outer(self, h, step, half)

@@ -40,7 +40,8 @@ module poinsot_splitting_stepper
 contains
 
    !> Steps number first to first + steps - 1 of length h. Step k starts at t + k h, computed so and not by
-   !> adding: ten steps at once are ten calls of one step, to the bit.
+   !> adding: ten steps at once are ten calls of one step, to the bit. A torque that is fresh on entry is used:
+   !> whoever changes the state must clear the flag.
    subroutine run_steps(scheme, system, t, h, first, steps)
       type(splitting), intent(in) :: scheme
       class(flows), intent(inout) :: system
@@ -49,7 +50,6 @@ contains
       integer(i8), intent(in) :: first    !! number of the first step
       integer(i8), intent(in) :: steps    !! how many
       integer(i8) :: k
-      system%fresh = .false.
       do k = first, first + steps - 1
          if (system%has_outer) call system%outer(0.5_dp*h, k, 0)
          call run_operations(scheme%operations, system, t, h, k)
