@@ -160,14 +160,16 @@ contains
    subroutine onto_separatrix(stream, body)
       type(random_stream), intent(inout) :: stream
       type(random_body), intent(inout) :: body
-      real(dp) :: c(2)
+      real(dp) :: c(2), off
       associate (m => body%moments)
          c(1) = m(1)*(m(3) - m(2))
          c(2) = m(3)*(m(2) - m(1))
       end associate
       if (minval(c) <= 0) return
       body%y(3) = sign(sqrt(c(2)/c(1))*body%y(1), body%y(3))
-      if (uniform(stream) < 0.8_dp) body%y(3) = body%y(3)*(1 + random_sign(stream)*log_uniform(stream, -16.0_dp, -2.0_dp))
+      if (uniform(stream) > 0.8_dp) return
+      off = log_uniform(stream, -16.0_dp, -2.0_dp)
+      body%y(3) = body%y(3)*(1 + random_sign(stream)*off)
    end subroutine onto_separatrix
 
    !> Moments and momenta in units from 1e-46 (SI molecules) to 1e+100.

@@ -120,7 +120,7 @@ contains
       real(qp), parameter :: part = 1.0e-7_qp, tol = 1.0e-15_qp
       type(taylor_problem) :: problem
       type(taylor_report) :: report
-      real(qp) :: y(3), q(4), yj(3), qj(4), scale
+      real(qp) :: y(3), q(4), yj(3), qj(4), start(3), scale
       real(dp) :: dy, dq
       integer :: j
       problem = free_problem(moments)
@@ -138,9 +138,9 @@ contains
             problem = free_problem(moments)
          else if (j <= 6) then
             if (y0(j - 3) == 0) cycle
-            yj = y0
-            yj(j - 3) = yj(j - 3)*(1 + part)
-            call from_rest_attitude(problem, real(h, qp), yj, yj, qj, report, tol)
+            start = y0
+            start(j - 3) = start(j - 3)*(1 + part)
+            call from_rest_attitude(problem, real(h, qp), start, yj, qj, report, tol)
          else
             call from_rest_attitude(problem, h*(1 + part), real(y0, qp), yj, qj, report, tol)
          end if
@@ -157,11 +157,11 @@ contains
       state_q = max(1.0_dp, state_q)
    end subroutine conditioning
 
-   !> One flow from the attitude 1; `y0` and `y` may be the same variable.
+   !> One flow from the attitude 1.
    subroutine from_rest_attitude(problem, t, y0, y, q, report, tol)
       type(taylor_problem), intent(in) :: problem
       real(qp), intent(in) :: t, tol
-      real(qp), value :: y0(3)
+      real(qp), intent(in) :: y0(3)
       real(qp), intent(out) :: y(3), q(4)
       type(taylor_report), intent(out) :: report
       y = y0
