@@ -235,7 +235,7 @@ contains
          end do
          call measure_slope(h, ey, 1.0e-32_dp, slope(1), used(1))
          call measure_slope(h, eq, 1.0e-32_dp, slope(2), used(2))
-         call check(error, maxval(abs(slope - orders(i) - 1)) < 0.1_dp, "local order of "//names(i))
+         call check(error, maxval(abs(slope - orders(i) - 1)) < 0.1_dp + 0.02_dp*orders(i), "local order of "//names(i))
          if (allocated(error)) return
       end do
    end subroutine test_orders
