@@ -104,26 +104,17 @@ contains
       q = quaternion_product(q, r)
    end subroutine turn_axis
 
-   !> Algorithm 2 of the review, corrected; axes a, b are the pair with the smallest |1/Ia - 1/Ib| (ties by index),
-   !> a the lower index, c the third: R = (1/Ia - 1/Ib) ya**2/2, S = ((ya**2 + yb**2)/Ib + yc**2/Ic)/2.
+   !> Algorithm 2 of the review, corrected. The labels (a, b, c) are a cyclic order of the axes, a and b the pair with the
+   !> smallest |1/Ia - 1/Ib| (ties: the first of 12, 23, 31): R = (1/Ia - 1/Ib) ya**2/2,
+   !> S = ((ya**2 + yb**2)/Ib + yc**2/Ic)/2.
    pure subroutine symmetric_rotation(inverse, h, y, q)
       real(qp), intent(in) :: inverse(3), h
       real(qp), intent(inout) :: y(3), q(4)
-      integer, parameter :: pairs(3, 3) = reshape([1, 2, 3, 1, 3, 2, 2, 3, 1], [3, 3])
-      real(qp) :: gap, least, total, r(4), angle
-      integer :: i, a, b, c
-      a = 1
-      b = 2
-      c = 3
-      least = abs(inverse(1) - inverse(2))
-      do i = 2, 3
-         gap = abs(inverse(pairs(1, i)) - inverse(pairs(2, i)))
-         if (gap >= least) cycle
-         least = gap
-         a = pairs(1, i)
-         b = pairs(2, i)
-         c = pairs(3, i)
-      end do
+      real(qp) :: total, r(4), angle
+      integer :: a, b, c
+      a = minloc(abs(inverse - cshift(inverse, 1)), dim=1)
+      b = 1 + mod(a, 3)
+      c = 1 + mod(b, 3)
       call turn_axis(a, (inverse(a) - inverse(b))*y(a)*h/2, y, q)
       total = sqrt(sum(y*y))
       angle = h*inverse(b)*total

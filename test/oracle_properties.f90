@@ -108,7 +108,7 @@ contains
       real(qp), intent(out) :: tangent(6, 6)
       logical, intent(out) :: ok
       real(qp), parameter :: weight(4) = [4.0_qp/5, -1.0_qp/5, 4.0_qp/105, -1.0_qp/280]
-      real(qp) :: y0(3), q0(4), y1(3), q1(4), x, size, turn(3), image(6)
+      real(qp) :: y0(3), q0(4), y1(3), q1(4), size, push(6), image(6)
       integer :: column, k, side
       logical :: good
       size = sqrt(sum(y*y))
@@ -119,16 +119,10 @@ contains
       do column = 1, 6
          do k = 1, 4
             do side = -1, 1, 2
-               x = side*k*map%delta
-               y1 = y
-               q1 = q
-               if (column <= 3) then
-                  turn = 0
-                  turn(column) = x
-                  q1 = quaternion_product(q, exponential(turn))
-               else
-                  y1(column - 3) = y1(column - 3) + x*size
-               end if
+               push = 0
+               push(column) = side*k*map%delta
+               q1 = quaternion_product(q, exponential(push(1:3)))
+               y1 = y + push(4:6)*size
                call map%apply(h, y1, q1, good)
                ok = ok .and. good
                image = [logarithm(q0, q1), (y1 - y0)/size]
@@ -142,19 +136,29 @@ contains
    pure subroutine poisson_defect(tangent, y, y1, defect)
       real(qp), intent(in) :: tangent(6, 6), y(3), y1(3)
       real(dp), intent(out) :: defect
-      real(qp) :: d(3, 3), difference(3, 3), size
+      real(qp), dimension(3, 3) :: d, transposed, before, after, difference
+      real(qp) :: size
       size = sqrt(sum(y*y))
       d = tangent(4:6, 4:6)
-      difference = matmul(d, matmul(hat(y/size), transpose(d))) - hat(y1/size)
+      transposed = transpose(d)
+      before = hat(y/size)
+      after = hat(y1/size)
+      difference = matmul(before, transposed)
+      difference = matmul(d, difference) - after
       defect = real(max(maxval(abs(difference)), maxval(abs(tangent(4:6, 1:3)))), dp)
    end subroutine poisson_defect
 
    pure subroutine symplectic_defect(tangent, y, y1, defect)
       real(qp), intent(in) :: tangent(6, 6), y(3), y1(3)
       real(dp), intent(out) :: defect
-      real(qp) :: difference(6, 6), size
+      real(qp), dimension(6, 6) :: transposed, before, after, difference
+      real(qp) :: size
       size = sqrt(sum(y*y))
-      difference = matmul(transpose(tangent), matmul(form(y1/size), tangent)) - form(y/size)
+      transposed = transpose(tangent)
+      before = form(y/size)
+      after = form(y1/size)
+      difference = matmul(after, tangent)
+      difference = matmul(transposed, difference) - before
       defect = real(maxval(abs(difference)), dp)
    end subroutine symplectic_defect
 

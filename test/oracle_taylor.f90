@@ -67,6 +67,7 @@ contains
       real(qp), intent(in), optional :: tolerance !! relative truncation of a step, default 1e-31
       integer, intent(in), optional :: order      !! of the series; by default from the tolerance
       integer, parameter :: max_steps = 200000
+      type(taylor_problem) :: unit
       real(qp) :: cy(0:max_order, 3), cq(0:max_order, 4), done, step, tol, energy0, momentum0, left
       integer :: n
       tol = default_tolerance
@@ -76,19 +77,24 @@ contains
       n = max(6, min(n, max_order))
       energy0 = energy(problem, y, q)
       momentum0 = momentum(problem, y, q)
+      ! the time t becomes 1: powers of tiny rates would underflow
+      unit = problem
+      unit%inverse = problem%inverse*t
+      unit%centre = problem%centre*t
+      unit%stiffness = problem%stiffness*t
       done = 0
       do while (report%steps < max_steps)
-         left = t - done
+         left = 1 - done
          if (left == 0) exit
-         call series(problem, n, y, q, cy, cq)
-         call choose_step(problem, n, cy, cq, tol, left, step, report%truncation)
+         call series(unit, n, y, q, cy, cq)
+         call choose_step(unit, n, cy, cq, tol, left, step, report%truncation)
          y = horner(cy(0:n, 1:3), step)
          q = horner(cq(0:n, 1:4), step)
          done = done + step
-         if (step == left) done = t
+         if (step == left) done = 1
          report%steps = report%steps + 1
       end do
-      report%finished = done == t
+      report%finished = done == 1
       report%energy = relative(energy(problem, y, q) - energy0, energy0)
       report%momentum = relative(momentum(problem, y, q) - momentum0, momentum0)
       report%norm = abs(sqrt(sum(q*q)) - 1)
@@ -120,9 +126,9 @@ contains
       real(qp), parameter :: part = 1.0e-7_qp, tol = 1.0e-15_qp
       type(taylor_problem) :: problem
       type(taylor_report) :: report
-      real(qp) :: y(3), q(4), yj(3), qj(4), start(3), scale
+      real(qp) :: y(3), q(4), yj(3), qj(4), start(3), scale, time
       real(dp) :: dy, dq
-      integer :: j
+      integer :: j, k
       problem = free_problem(moments)
       call from_rest_attitude(problem, real(h, qp), real(y0, qp), y, q, report, tol)
       scale = max(sqrt(sum(y*y)), tiny(1.0_qp))
@@ -131,19 +137,18 @@ contains
       cond_y = 0
       cond_q = 0
       do j = 1, 7
-         if (j <= 3) then
-            if (moments(j) == 0) cycle
-            problem%inverse(j) = 1/(moments(j)*(1 + part))
-            call from_rest_attitude(problem, real(h, qp), real(y0, qp), yj, qj, report, tol)
-            problem = free_problem(moments)
-         else if (j <= 6) then
-            if (y0(j - 3) == 0) cycle
-            start = y0
-            start(j - 3) = start(j - 3)*(1 + part)
-            call from_rest_attitude(problem, real(h, qp), start, yj, qj, report, tol)
+         problem = free_problem(moments)
+         start = y0
+         time = h
+         k = 1 + mod(j - 1, 3)
+         if (j == 7) then
+            time = h*(1 + part)
+         else if (j > 3) then
+            start(k) = y0(k)*(1 + part)
          else
-            call from_rest_attitude(problem, h*(1 + part), real(y0, qp), yj, qj, report, tol)
+            problem%inverse(k) = problem%inverse(k)/(1 + part)
          end if
+         call from_rest_attitude(problem, time, start, yj, qj, report, tol)
          dy = real(sqrt(sum((yj - y)**2))/(part*scale), dp)
          dq = real(sqrt(sum((qj - q)**2))/part, dp)
          cond_y = cond_y + dy

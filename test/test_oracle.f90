@@ -222,7 +222,7 @@ contains
       do i = 1, size(names)
          call make_reference(names(i), moments, terms, map)
          do k = 1, 4
-            h(k) = (0.2_dp + 0.06_dp*orders(i))/1.3_dp**k
+            h(k) = (0.2_dp + 0.04_dp*orders(i))/1.3_dp**k
             y = momentum
             q = [1, 0, 0, 0]
             z = y
@@ -235,7 +235,7 @@ contains
          end do
          call measure_slope(h, ey, 1.0e-32_dp, slope(1), used(1))
          call measure_slope(h, eq, 1.0e-32_dp, slope(2), used(2))
-         call check(error, maxval(abs(slope - orders(i) - 1)) < 0.1_dp + 0.02_dp*orders(i), "local order of "//names(i))
+         call check(error, maxval(abs(slope - orders(i) - 1)) < 0.1_dp + 0.02_dp*orders(i), "local order of "//trim(names(i))//": "//text(slope(1))//text(slope(2)))
          if (allocated(error)) return
       end do
    end subroutine test_orders
@@ -323,5 +323,12 @@ contains
       thin = log_uniform(stream, 2.0_dp, 3.0_dp)
       call check(error, thin > 100 .and. thin < 1000, "log_uniform")
    end subroutine test_random
+
+   !> A number for a message.
+   function text(x) result(string)
+      real(dp), intent(in) :: x
+      character(10) :: string
+      write (string, "(es10.3)") x
+   end function text
 
 end module test_oracle
