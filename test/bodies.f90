@@ -172,12 +172,12 @@ contains
       body%y(3) = body%y(3)*(1 + random_sign(stream)*off)
    end subroutine onto_separatrix
 
-   !> Moments and momenta in units from 1e-46 (SI molecules) to 1e+100.
+   !> Moments and momenta in units from 1e-140 (SI molecules: 1e-46) to 1e+140.
    subroutine change_units(stream, body)
       type(random_stream), intent(inout) :: stream
       type(random_body), intent(inout) :: body
       real(dp) :: scale
-      scale = log_uniform(stream, -46.0_dp, 100.0_dp)
+      scale = log_uniform(stream, -140.0_dp, 140.0_dp)
       body%moments = body%moments*scale
       body%y = body%y*(scale*log_uniform(stream, -15.0_dp, 15.0_dp))
    end subroutine change_units

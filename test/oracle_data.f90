@@ -54,11 +54,12 @@ module test_oracle_data
       10.0_dp, 0.01_dp, [1.922573381663007_dp, 0.7720232344670848_dp, -0.2011054792035490_dp], &
       [0.9257399890934638_dp, -0.3514906679727545_dp, 0.1021838760186523_dp, -0.0949644059798463_dp], 1.0e-15_dp)
 
-   !> ACM TOMS 903 (Celledoni et al. 2008), example 0: momentum only, the attitude was not printed.
+   !> ACM TOMS 903 (Celledoni et al. 2008), example 0: momentum only, the attitude was not printed. The
+   !> printed y2 is 4e-15 off (|y| of the printed end differs by 3e-15 from that of the start).
    type(published), parameter :: published_4_y = published([1.0_dp, 1.6487857827119290_dp, 1.9720127096641928_dp], &
       [-0.709894965287627_dp, -0.685144717153483_dp, 0.163174308075589_dp], 0.1_dp, 0.1_dp, &
       [-0.7088447919224319_dp, -0.6905148054187735_dp, 0.1439734852739133_dp], [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
-      1.0e-15_dp)
+      5.0e-15_dp)
 
 contains
 

@@ -5,10 +5,11 @@ module test_oracle_dmv
    use poinsot_core_kinds, only: dp, qp
    use test_oracle_data, only: dmv_term
    use test_oracle_properties, only: plain_map
-   use test_oracle_taylor, only: cross, quaternion_product, free_problem, taylor_problem, taylor_report, taylor_flow
+   use test_oracle_taylor, only: cross, quaternion_product, free_problem, taylor_problem, taylor_report, taylor_flow, &
+      taylor_series, max_order
    implicit none(type, external)
    private
-   public :: table_1, rational_coefficients, modified_inverses, exact_inverses
+   public :: table_1, rational_coefficients, modified_inverses, truncated_inverses, exact_inverses
    public :: reference_map, make_reference, inverse_moments
 
    !> Any method by its name in the library, in quadruple precision.
@@ -16,7 +17,6 @@ module test_oracle_dmv
       character(20) :: name = ""
       integer :: order = 0                       !! of dmv; 0 for the others
       real(qp) :: moments(3) = 1, inverse(3) = 1
-      type(dmv_term), allocatable :: terms(:)    !! all of dmv_coefficients.txt
    contains
       procedure :: apply => apply_reference
    end type reference_map
@@ -24,16 +24,14 @@ module test_oracle_dmv
 contains
 
    !> A reference map. Names: dmv2 .. dmv24, midpoint, three-rotations, symmetric-rotation, exact.
-   subroutine make_reference(name, moments, terms, map)
+   subroutine make_reference(name, moments, map)
       character(*), intent(in) :: name
       real(dp), intent(in) :: moments(3)
-      type(dmv_term), intent(in) :: terms(:)
       type(reference_map), intent(out) :: map
       map%name = name
       map%moments = moments
       map%inverse = inverse_moments(moments)
       if (name(1:3) == "dmv") read (name(4:), *) map%order
-      map%terms = terms
    end subroutine make_reference
 
    !> 1/I, 0 for a zero moment.
@@ -70,7 +68,7 @@ contains
          call taylor_flow(problem, h, y, q, report)
          ok = report%finished
       case default
-         call modified_inverses(self%terms, self%inverse, self%order, h, y, modified)
+         call truncated_inverses(self%moments, self%order, h, y, modified)
          call implicit_step(modified, h, .true., y, q, ok)
       end select
    end subroutine apply_reference
@@ -252,6 +250,80 @@ contains
          tau = sum((cshift(moments, 1)**b + cshift(moments, 2)**b)/moments**e)
       end function tau
    end subroutine table_1
+
+   !> The same modified inverses by another way, for bodies whose rational polynomials cancel (nearly linear ones): from
+   !> the instant where the middle component vanishes the exact rotation over eta = h/2 gives
+   !> 1/It_1 = rho0 rho1/(eta y1), 1/It_3 = rho0 rho3/(eta y3), here as power series in eta, cut at the order.
+   pure subroutine truncated_inverses(moments, order, h, y, modified)
+      real(qp), intent(in) :: moments(3)        !! any order
+      integer, intent(in) :: order              !! 2 to 24
+      real(qp), intent(in) :: h, y(3)
+      real(qp), intent(out) :: modified(3)
+      type(taylor_problem) :: problem
+      real(qp) :: i(3), m(3), u(3), th, k1, k3, cy(0:max_order, 3), cq(0:max_order, 4), rho(0:max_order, 3), c(3)
+      integer :: p(3), n
+      modified = 0
+      where (moments > 0) modified = 1/moments
+      if (order <= 2) return
+      p = rising(moments)
+      i = moments(p)
+      m = modified(p)
+      th = 0.5_qp
+      if (i(3) > i(1)) th = (i(3) - i(2))/(i(3) - i(1))
+      k1 = th*i(2)*m(1)
+      k3 = (1 - th)*i(2)*m(3)
+      u = h/2*m*y(p) ! a zero amplitude is as good as a tiny one: only its square enters
+      u = [sqrt(u(1)**2 + k1*u(2)**2), 0.0_qp, sqrt(u(3)**2 + k3*u(2)**2)] + [1, 0, 1]*1.0e-300_qp
+      n = order - 2
+      problem%inverse = merge(m/m(2), 0.0_qp, m > 0)
+      u = u*merge(m(2)/m, 0.0_qp, m > 0)
+      if (i(1) <= 0) u(1) = 0
+      call taylor_series(problem, n + 1, u, [1.0_qp, 0.0_qp, 0.0_qp, 0.0_qp], cy, cq)
+      rho(:, 1) = times(n + 1, cq(:, 1), cq(:, 1)) - times(n + 1, cq(:, 2), cq(:, 2)) &
+         + times(n + 1, cq(:, 3), cq(:, 3)) - times(n + 1, cq(:, 4), cq(:, 4))
+      rho(:, 2) = 2*times(n + 1, cq(:, 1), cq(:, 2)) - 2*times(n + 1, cq(:, 3), cq(:, 4))
+      rho(:, 3) = 2*times(n + 1, cq(:, 1), cq(:, 4)) + 2*times(n + 1, cq(:, 2), cq(:, 3))
+      c(1) = quotient_sum(n, times(n + 1, rho(:, 1), rho(:, 2)), cy(:, 1))*i(1)/i(2)
+      c(3) = quotient_sum(n, times(n + 1, rho(:, 1), rho(:, 3)), cy(:, 3))*i(3)/i(2)
+      c(2) = th*c(1) + (1 - th)*c(3)
+      modified(p) = m*c
+   end subroutine truncated_inverses
+
+   !> Order of rising moments.
+   pure function rising(moments) result(p)
+      real(qp), intent(in) :: moments(3)
+      integer :: p(3)
+      p(1) = minloc(moments, dim=1)
+      p(3) = maxloc(moments, dim=1, back=.true.)
+      if (p(1) == p(3)) p(3) = 1 + mod(p(1), 3)
+      p(2) = 6 - p(1) - p(3)
+   end function rising
+
+   !> Product of two power series, up to degree n.
+   pure function times(n, a, b) result(c)
+      integer, intent(in) :: n
+      real(qp), intent(in) :: a(0:max_order), b(0:max_order)
+      real(qp) :: c(0:max_order)
+      integer :: k
+      c = 0
+      do k = 0, n
+         c(k) = dot_product(a(0:k), b(k:0:-1))
+      end do
+   end function times
+
+   !> The series a(t)/(t b(t)), cut after degree n, at t = 1; a(0) = 0. 0 if b vanishes.
+   pure real(qp) function quotient_sum(n, a, b)
+      integer, intent(in) :: n
+      real(qp), intent(in) :: a(0:max_order), b(0:max_order)
+      real(qp) :: c(0:n)
+      integer :: k
+      quotient_sum = 0
+      if (abs(b(0)) <= 0) return
+      do k = 0, n
+         c(k) = (a(k + 1) - dot_product(c(0:k - 1), b(k:1:-1)))/b(0)
+      end do
+      quotient_sum = sum(c)
+   end function quotient_sum
 
    !> The whole series at once, without a series: Moser-Veselov with these 1/It is the exact flow over h. From the
    !> instant where y2 = 0 (axis `middle`), y = (a, 0, b), the exact rotation over h/2 gives

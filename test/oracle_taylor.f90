@@ -9,7 +9,7 @@ module test_oracle_taylor
    implicit none(type, external)
    private
    public :: taylor_problem, taylor_report, free_problem, top_problem
-   public :: taylor_flow, taylor_verified, conditioning
+   public :: taylor_flow, taylor_verified, taylor_series, conditioning, max_order
    public :: rotate_back, quaternion_product, cross
 
    integer, parameter :: max_order = 44
@@ -86,7 +86,7 @@ contains
       do while (report%steps < max_steps)
          left = 1 - done
          if (left == 0) exit
-         call series(unit, n, y, q, cy, cq)
+         call taylor_series(unit, n, y, q, cy, cq)
          call choose_step(unit, n, cy, cq, tol, left, step, report%truncation)
          y = horner(cy(0:n, 1:3), step)
          q = horner(cq(0:n, 1:4), step)
@@ -174,8 +174,8 @@ contains
       call taylor_flow(problem, t, y, q, report, tolerance=tol)
    end subroutine from_rest_attitude
 
-   !> Taylor coefficients of y and q up to order n.
-   pure subroutine series(problem, n, y, q, cy, cq)
+   !> Taylor coefficients of y and q in time, up to order n <= max_order.
+   pure subroutine taylor_series(problem, n, y, q, cy, cq)
       type(taylor_problem), intent(in) :: problem
       integer, intent(in) :: n
       real(qp), intent(in) :: y(3), q(4)
@@ -198,7 +198,7 @@ contains
          cy(k + 1, :) = next/(k + 1)
          cq(k + 1, :) = cauchy_turn(k, cq, w)/(2*(k + 1))
       end do
-   end subroutine series
+   end subroutine taylor_series
 
    !> Coefficient k of y x w. Without a spin the differences of 1/I stand in front, so nothing cancels twice.
    pure function euler(problem, k, y, w) result(c)
