@@ -1,5 +1,5 @@
-!> Deterministic random bodies, the hard ones too: moments over 8 decades, momenta over 12, next to the separatrix,
-!> nearly symmetric, nearly linear, flat, linear, in odd units.
+!> Deterministic random bodies, the hard ones too: moments over 8 decades, momenta over 12, next to
+!> the separatrix, nearly symmetric, nearly linear, flat, linear, in odd units.
 module test_bodies
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
@@ -7,7 +7,8 @@ module test_bodies
    public :: random_stream, start_stream, uniform, log_uniform, random_quaternion
    public :: random_body, hard_body, body_kinds, rate_bound, generic_moments, permute_body
 
-   !> Two multiplicative congruential generators (moduli 2**31 - 1 and 2**31 - 249); products fit 64 bits.
+   !> Two multiplicative congruential generators (moduli 2**31 - 1 and 2**31 - 249); products fit 64
+   !> bits.
    type :: random_stream
       private
       integer(i8) :: a = 12345, b = 67890
@@ -19,7 +20,8 @@ module test_bodies
       real(dp) :: moments(3) = 1, y(3) = 0, q(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], h = 0
    end type random_body
 
-   character(12), parameter :: body_kinds(12) = [character(12) :: "generic", "wide", "separatrix", "nearsym", "flat", &
+   character(12), parameter :: body_kinds(12) = [character(12) :: "generic", "wide", &
+      "separatrix", "nearsym", "flat", &
       "nearlinear", "linear", "sphere", "middle", "axis", "units", "slow"]
 
 contains
@@ -37,8 +39,8 @@ contains
       integer(i8), parameter :: bits27 = 134217728_i8, bits26 = 67108864_i8
       stream%a = mod(48271_i8*stream%a, 2147483647_i8)
       stream%b = mod(40692_i8*stream%b, 2147483399_i8)
-      uniform = (real(mod(stream%a, bits27), dp) + (real(mod(stream%b, bits26), dp) + 0.5_dp)/real(bits26, dp)) &
-         /real(bits27, dp)
+      uniform = (real(mod(stream%b, bits26), dp) + 0.5_dp)/real(bits26, dp)
+      uniform = (real(mod(stream%a, bits27), dp) + uniform)/real(bits27, dp)
    end function uniform
 
    !> 10**u with u uniform in (low, high).
@@ -69,7 +71,8 @@ contains
       q = q/sqrt(s)
    end function random_quaternion
 
-   !> Three distinct moments of a physical body, unsorted, no two within 5 %, none of the special ratios.
+   !> Three distinct moments of a physical body, unsorted, no two within 5 %, none of the special
+   !> ratios.
    function generic_moments(stream) result(moments)
       type(random_stream), intent(inout) :: stream
       real(dp) :: moments(3), d(3)
@@ -83,7 +86,8 @@ contains
       end do
    end function generic_moments
 
-   !> A body of the kind `kind` (one of `body_kinds`), with h times the largest rate between 1e-3 and `reach`.
+   !> A body of the kind `kind` (one of `body_kinds`), with h times the largest rate between 1e-3
+   !> and `reach`.
    subroutine hard_body(stream, kind, reach, body)
       type(random_stream), intent(inout) :: stream
       character(*), intent(in) :: kind
@@ -100,7 +104,8 @@ contains
       if (uniform(stream) < 0.5_dp) call permute_body([2, 1, 3], body)
       bound = rate_bound(body%moments, body%y)
       body%h = random_sign(stream)
-      if (bound > 0) body%h = body%h*log_uniform(stream, min(-3.0_dp, log10(reach)), log10(reach))/bound
+      if (bound <= 0) return
+      body%h = body%h*log_uniform(stream, min(-3.0_dp, log10(reach)), log10(reach))/bound
    end subroutine hard_body
 
    !> Moments in rising order, and a momentum.
@@ -146,6 +151,7 @@ contains
       case ("axis")
          j = 1 + int(3*uniform(stream))
          y = merge(y, 0.0_dp, [1, 2, 3] == j)
+      case default ! generic; separatrix, units and slow are made below
       end select
       body%moments = [d(1) + d(2), d(1) + d(3), d(2) + d(3)]
       body%y = y
@@ -182,7 +188,8 @@ contains
       body%y = body%y*(scale*log_uniform(stream, -15.0_dp, 15.0_dp))
    end subroutine change_units
 
-   !> Relabel the axes: new axis j is old axis p(j). An odd permutation turns the sign of y and of the vector part.
+   !> Relabel the axes: new axis j is old axis p(j). An odd permutation turns the sign of y and of
+   !> the vector part.
    pure subroutine permute_body(p, body)
       integer, intent(in) :: p(3)
       type(random_body), intent(inout) :: body

@@ -5,7 +5,8 @@ module test_free_tools
    use poinsot_core_status, only: poinsot_ok
    use poinsot_body_class, only: body_class, make_class
    use poinsot_free_method, only: free_method, find_method, advance
-   use test_bodies, only: random_body, random_stream, start_stream, hard_body, uniform, random_quaternion
+   use test_bodies, only: random_body, random_stream, start_stream, hard_body, uniform, &
+      random_quaternion
    use test_measure, only: attitude_distance, momentum_distance, units
    use test_oracle_data, only: free_case
    use test_oracle_dmv, only: reference_map, make_reference
@@ -18,12 +19,15 @@ module test_free_tools
    public :: worst_of_kind, worst_of_hard, worst_of_map
 
    !> The approximate methods first, three-rotations and symmetric-rotation before all.
-   character(20), parameter :: method_names(17) = [character(20) :: "three-rotations", "symmetric-rotation", &
-      "midpoint", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", "dmv20", "dmv22", &
+   character(20), parameter :: method_names(17) = [character(20) :: "three-rotations", &
+      "symmetric-rotation", &
+      "midpoint", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", &
+      "dmv20", "dmv22", &
       "dmv24", "exact", "jacobi"]
-   integer, parameter :: method_orders(17) = [2, 2, 2, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 0, 0]
+   integer, parameter :: method_orders(17) = [2, 2, 2, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, &
+      24, 0, 0]
    integer, parameter :: approximate_count = 15
-   real(dp), parameter :: generic(3) = [0.8_dp, 0.55_dp, 0.95_dp] !! moments of a generic body, unsorted
+   real(dp), parameter :: generic(3) = [0.8_dp, 0.55_dp, 0.95_dp] !! of a generic body, unsorted
    real(dp), parameter :: start(3) = [0.5_dp, -0.6_dp, 0.4_dp]    !! its momentum
    real(dp), parameter :: start_q(4) = [0.1_dp, 0.7_dp, -0.5_dp, 0.5_dp]
 
@@ -43,7 +47,7 @@ contains
       real(dp), intent(in) :: moments(3), h
       integer, intent(in) :: steps
       real(dp), intent(inout) :: y(3), q(4)
-      integer, intent(out) :: status             !! of the body; or of the call that refused name or moments
+      integer, intent(out) :: status             !! of the body, or of the refusing call
       integer, intent(in), optional :: lane
       logical, intent(in), optional :: compensate
       type(free_method) :: method
@@ -139,7 +143,8 @@ contains
       string = trim(adjustl(buffer))
    end function text
 
-   !> Largest error of a kind of free_rotation.csv, y and q, in units of conditioning. A failed body counts as infinite.
+   !> Largest error of a kind of free_rotation.csv, y and q, in units of conditioning. A failed body
+   !> counts as infinite.
    subroutine worst_of_kind(name, kind, cases, worst_y, worst_q, line)
       character(*), intent(in) :: name, kind
       type(free_case), intent(in) :: cases(:)
@@ -156,7 +161,8 @@ contains
          q = [1, 0, 0, 0]
          call turn_body(name, cases(i)%moments, cases(i)%h, 1, y, q, status, lane=1 + mod(i, lanes))
          cond = [cases(i)%cond_y, cases(i)%cond_r]
-         if (kind == "nearsym" .or. kind == "nearlinear") cond = [cases(i)%state_y, cases(i)%state_r]
+         if (kind == "nearsym" .or. kind == "nearlinear") cond = [cases(i)%state_y, &
+            cases(i)%state_r]
          ey = units(momentum_distance(real(y, qp), cases(i)%y_end), cond(1))
          eq = units(attitude_distance(real(q, qp), cases(i)%turn), cond(2))
          if (status /= poinsot_ok) ey = huge(ey)
@@ -166,7 +172,8 @@ contains
       end do
    end subroutine worst_of_kind
 
-   !> Largest error of a method over hard random bodies of a kind against the Taylor series, in units of conditioning.
+   !> Largest error of a method over hard random bodies of a kind against the Taylor series, in
+   !> units of conditioning.
    subroutine worst_of_hard(name, kind, reach, count, worst_y, worst_q)
       character(*), intent(in) :: name, kind
       real(dp), intent(in) :: reach              !! largest h|omega|
@@ -197,8 +204,8 @@ contains
       end do
    end subroutine worst_of_hard
 
-   !> Largest difference, in 1e-16, between one step of a method and its reference map over random bodies of a kind,
-   !> h|omega| up to .95; infinite if one of the two has no answer.
+   !> Largest difference, in 1e-16, between one step of a method and its reference map over random
+   !> bodies of a kind, h|omega| up to .95; infinite if one of the two has no answer.
    subroutine worst_of_map(name, kind, count, worst)
       character(*), intent(in) :: name, kind
       integer, intent(in) :: count

@@ -19,8 +19,8 @@ module test_measure
 
 contains
 
-   !> Slope of log(error) over log(h) by least squares. A point counts only between the rounding plateau
-   !> (30 times `floor`) and `ceiling`, above which the asymptotic law does not hold.
+   !> Slope of log(error) over log(h) by least squares. A point counts only between the rounding
+   !> plateau (30 times `floor`) and `ceiling`, above which the asymptotic law does not hold.
    pure subroutine measure_slope(h, error, floor, slope, used, ceiling)
       real(dp), intent(in) :: h(:)              !! steps, at least 3 of them
       real(dp), intent(in) :: error(:)          !! of the same size

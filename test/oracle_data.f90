@@ -37,29 +37,36 @@ module test_oracle_data
    end type published
 
    !> Vilmart 2013, figure 1 (order 10, h = .01).
-   type(published), parameter :: published_1 = published([0.376_dp, 0.627_dp, 1.0_dp], [0.0_dp, 0.6_dp, -0.8_dp], &
+   type(published), parameter :: published_1 = published( &
+      [0.376_dp, 0.627_dp, 1.0_dp], [0.0_dp, 0.6_dp, -0.8_dp], &
       40.0_dp, 0.01_dp, [0.0545936805170048_dp, -0.5930307093190378_dp, -0.8033268997439126_dp], &
-      [-0.7620456033094549_dp, -0.5769991038241422_dp, -0.0272197283757480_dp, 0.2926048855539088_dp], 1.0e-15_dp)
+      [-0.7620456033094549_dp, -0.5769991038241422_dp, -0.0272197283757480_dp, &
+      0.2926048855539088_dp], 1.0e-15_dp)
 
    !> Hairer and Vilmart 2006, figure 1, both bodies.
-   type(published), parameter :: published_2a = published([0.6_dp, 0.8_dp, 1.0_dp], [1.8_dp, 0.4_dp, -0.9_dp], &
+   type(published), parameter :: published_2a = published( &
+      [0.6_dp, 0.8_dp, 1.0_dp], [1.8_dp, 0.4_dp, -0.9_dp], &
       10.0_dp, 0.0125_dp, [1.765963_dp, -0.6954642_dp, 0.7795550_dp], &
       [-0.7360614_dp, -0.5707870_dp, -0.2993886_dp, -0.2068391_dp], 1.0e-6_dp)
-   type(published), parameter :: published_2b = published([0.345_dp, 0.653_dp, 1.0_dp], [1.8_dp, 0.4_dp, -0.9_dp], &
+   type(published), parameter :: published_2b = published( &
+      [0.345_dp, 0.653_dp, 1.0_dp], [1.8_dp, 0.4_dp, -0.9_dp], &
       10.0_dp, 0.0125_dp, [1.805749_dp, -0.2931591_dp, 0.9291552_dp], &
       [-0.5909531_dp, 0.7497771_dp, -0.2775674_dp, -0.1075407_dp], 1.0e-6_dp)
 
    !> The same as a top with U = Q33 (H = 4.205): centre (0, 0, 1), direction (0, 0, 1).
-   type(published), parameter :: published_3 = published([0.6_dp, 0.8_dp, 1.0_dp], [1.8_dp, 0.4_dp, -0.9_dp], &
+   type(published), parameter :: published_3 = published( &
+      [0.6_dp, 0.8_dp, 1.0_dp], [1.8_dp, 0.4_dp, -0.9_dp], &
       10.0_dp, 0.01_dp, [1.922573381663007_dp, 0.7720232344670848_dp, -0.2011054792035490_dp], &
-      [0.9257399890934638_dp, -0.3514906679727545_dp, 0.1021838760186523_dp, -0.0949644059798463_dp], 1.0e-15_dp)
+      [0.9257399890934638_dp, -0.3514906679727545_dp, 0.1021838760186523_dp, &
+      -0.0949644059798463_dp], 1.0e-15_dp)
 
-   !> ACM TOMS 903 (Celledoni et al. 2008), example 0: momentum only, the attitude was not printed. The
-   !> printed y2 is 4e-15 off (|y| of the printed end differs by 3e-15 from that of the start).
-   type(published), parameter :: published_4_y = published([1.0_dp, 1.6487857827119290_dp, 1.9720127096641928_dp], &
+   !> ACM TOMS 903 (Celledoni et al. 2008), example 0: momentum only, the attitude was not printed.
+   !> The printed y2 is 4e-15 off (|y| of the printed end differs by 3e-15 from that of the start).
+   type(published), parameter :: published_4_y = published( &
+      [1.0_dp, 1.6487857827119290_dp, 1.9720127096641928_dp], &
       [-0.709894965287627_dp, -0.685144717153483_dp, 0.163174308075589_dp], 0.1_dp, 0.1_dp, &
-      [-0.7088447919224319_dp, -0.6905148054187735_dp, 0.1439734852739133_dp], [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
-      5.0e-15_dp)
+      [-0.7088447919224319_dp, -0.6905148054187735_dp, 0.1439734852739133_dp], &
+      [0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 5.0e-15_dp)
 
 contains
 

@@ -1,12 +1,13 @@
-!> The approximate methods once more, in plain scalar quadruple precision: Moser-Veselov with the modified moments of
-!> the review's Table 1 (as printed) and of test/data/dmv_coefficients.txt (to order 24), implicit midpoint, three
-!> rotations, symmetric body and rotation. The library uses another form of the series; the two must agree.
+!> The approximate methods once more, in plain scalar quadruple precision: Moser-Veselov with the
+!> modified moments of the review's Table 1 (as printed) and of test/data/dmv_coefficients.txt (to
+!> order 24), implicit midpoint, three rotations, symmetric body and rotation. The library uses
+!> another form of the series; the two must agree.
 module test_oracle_dmv
    use poinsot_core_kinds, only: dp, qp
    use test_oracle_data, only: dmv_term
    use test_oracle_properties, only: plain_map
-   use test_oracle_taylor, only: cross, quaternion_product, free_problem, taylor_problem, taylor_report, taylor_flow, &
-      taylor_series, max_order
+   use test_oracle_taylor, only: cross, quaternion_product, free_problem, taylor_problem, &
+      taylor_report, taylor_flow, taylor_series, max_order
    implicit none(type, external)
    private
    public :: table_1, rational_coefficients, modified_inverses, truncated_inverses, exact_inverses
@@ -102,9 +103,9 @@ contains
       q = quaternion_product(q, r)
    end subroutine turn_axis
 
-   !> Algorithm 2 of the review, corrected. The labels (a, b, c) are a cyclic order of the axes, a and b the pair with the
-   !> smallest |1/Ia - 1/Ib| (ties: the first of 12, 23, 31): R = (1/Ia - 1/Ib) ya**2/2,
-   !> S = ((ya**2 + yb**2)/Ib + yc**2/Ic)/2.
+   !> Algorithm 2 of the review, corrected. The labels (a, b, c) are a cyclic order of the axes, a
+   !> and b the pair with the smallest |1/Ia - 1/Ib| (ties: the first of 12, 23, 31): R = (1/Ia -
+   !> 1/Ib) ya**2/2, S = ((ya**2 + yb**2)/Ib + yc**2/Ic)/2.
    pure subroutine symmetric_rotation(inverse, h, y, q)
       real(qp), intent(in) :: inverse(3), h
       real(qp), intent(inout) :: y(3), q(4)
@@ -123,13 +124,14 @@ contains
       call turn_axis(a, (inverse(a) - inverse(b))*y(a)*h/2, y, q)
    end subroutine symmetric_rotation
 
-   !> Moser-Veselov (`factor`) or the midpoint rule: Y = alpha y + (h/2) Y x M Y by Newton, from the fixed point.
+   !> Moser-Veselov (`factor`) or the midpoint rule: Y = alpha y + (h/2) Y x M Y by Newton, from the
+   !> fixed point.
    subroutine implicit_step(inverse, h, factor, y, q, ok)
       real(qp), intent(in) :: inverse(3), h
       logical, intent(in) :: factor
       real(qp), intent(inout) :: y(3), q(4)
       logical, intent(out) :: ok
-      real(qp) :: mean(3), residual(3), slope(3, 3), change(3), alpha, e(3), size, last
+      real(qp) :: mean(3), residual(3), slope(3, 3), change(3), alpha, e(3), size, last, moved
       integer :: i, j
       size = sqrt(sum(y*y))
       ok = .true.
@@ -147,11 +149,12 @@ contains
          end do
          change = solve(slope, residual)
          mean = mean - change
-         if (sqrt(sum(change**2)) < 1.0e-33_qp*size .or. (i > 8 .and. sqrt(sum(change**2)) >= last)) exit
-         last = sqrt(sum(change**2))
+         moved = sqrt(sum(change**2))
+         if (moved < 1.0e-33_qp*size .or. (i > 8 .and. moved >= last)) exit
+         last = moved
       end do
       e = h/2*inverse*mean
-      ok = sqrt(sum(change**2)) < 1.0e-28_qp*size .and. sum(e*e) < 1
+      ok = moved < 1.0e-28_qp*size .and. sum(e*e) < 1
       if (.not. ok) return
       alpha = 1 + sum(e*e)
       q = quaternion_product(q, [1.0_qp, e])/sqrt(alpha)
@@ -176,7 +179,8 @@ contains
       x(3) = dot_product(a(:, 1), cross(a(:, 2), b))/d
    end function solve
 
-   !> 1/It_j = (1/I_j)(1 + h**2 s3 + h**4 s5 + ...) + h**2 t3 + h**4 t5 + ..., up to the order asked for.
+   !> 1/It_j = (1/I_j)(1 + h**2 s3 + h**4 s5 + ...) + h**2 t3 + h**4 t5 + ..., up to the order asked
+   !> for.
    pure subroutine modified_inverses(terms, inverse, order, h, y, modified)
       type(dmv_term), intent(in) :: terms(:)
       real(qp), intent(in) :: inverse(3), h, y(3)
@@ -232,14 +236,16 @@ contains
       t(3) = sigma(1)/(6*d)*h - 1/(3*d)*c
       s(5) = (3*sigma(1) + 2*d*sigma(-2))/(60*d)*h**2 + (1 - tau(1, 1))/(30*d)*c*h &
          + (sigma(2) - d*sigma(-1))/(30*d**2)*c**2
-      t(5) = -(9 + tau(1, 1))/(60*d)*h**2 + (6*d*sigma(-1) - sigma(2))/(60*d**2)*c*h - sigma(1)/(60*d**2)*c**2
+      t(5) = -(9 + tau(1, 1))/(60*d)*h**2 + (6*d*sigma(-1) - sigma(2))/(60*d**2)*c*h &
+         - sigma(1)/(60*d**2)*c**2
       s(7) = (15 - d*sigma(-3) - 2*tau(1, 1))/(630*d)*h**3 &
          + (6*d*tau(1, 2) - 100*d*sigma(-1) + 53*sigma(2))/(2520*d**2)*c*h**2 &
          + (9*sigma(1) + 10*d*sigma(-2) - 6*tau(2, 1))/(420*d**2)*c**2*h &
          + (4*d + 17*sigma(3) - 15*d*tau(1, 1))/(2520*d**3)*c**3
       t(7) = (9*d*sigma(-1) + d*tau(1, 2) - 11*sigma(2))/(1260*d**2)*h**3 &
          + (47*sigma(1) + 13*tau(2, 1) - 38*d*sigma(-2))/(2520*d**2)*c*h**2 &
-         + (sigma(3) + 2*d*tau(1, 1) - 85*d)/(1260*d**3)*c**2*h + (34*d*sigma(-1) - 19*sigma(2))/(2520*d**3)*c**3
+         + (sigma(3) + 2*d*tau(1, 1) - 85*d)/(1260*d**3)*c**2*h &
+         + (34*d*sigma(-1) - 19*sigma(2))/(2520*d**3)*c**3
    contains
       pure real(qp) function sigma(a)
          integer, intent(in) :: a
@@ -251,16 +257,18 @@ contains
       end function tau
    end subroutine table_1
 
-   !> The same modified inverses by another way, for bodies whose rational polynomials cancel (nearly linear ones): from
-   !> the instant where the middle component vanishes the exact rotation over eta = h/2 gives
-   !> 1/It_1 = rho0 rho1/(eta y1), 1/It_3 = rho0 rho3/(eta y3), here as power series in eta, cut at the order.
+   !> The same modified inverses by another way, for bodies whose rational polynomials cancel
+   !> (nearly linear ones): from the instant where the middle component vanishes the exact rotation
+   !> over eta = h/2 gives 1/It_1 = rho0 rho1/(eta y1), 1/It_3 = rho0 rho3/(eta y3), here as power
+   !> series in eta, cut at the order.
    pure subroutine truncated_inverses(moments, order, h, y, modified)
       real(qp), intent(in) :: moments(3)        !! any order
       integer, intent(in) :: order              !! 2 to 24
       real(qp), intent(in) :: h, y(3)
       real(qp), intent(out) :: modified(3)
       type(taylor_problem) :: problem
-      real(qp) :: i(3), m(3), u(3), th, k1, k3, cy(0:max_order, 3), cq(0:max_order, 4), rho(0:max_order, 3), c(3)
+      real(qp) :: i(3), m(3), u(3), th, k1, k3, cy(0:max_order, 3), cq(0:max_order, 4), &
+         rho(0:max_order, 3), c(3)
       integer :: p(3), n
       modified = 0
       where (moments > 0) modified = 1/moments
@@ -325,9 +333,10 @@ contains
       quotient_sum = sum(c)
    end function quotient_sum
 
-   !> The whole series at once, without a series: Moser-Veselov with these 1/It is the exact flow over h. From the
-   !> instant where y2 = 0 (axis `middle`), y = (a, 0, b), the exact rotation over h/2 gives
-   !> 1/It_1 = 2 rho0 rho1/(h y1), 1/It_3 = 2 rho0 rho3/(h y3); axis 2 follows from the others.
+   !> The whole series at once, without a series: Moser-Veselov with these 1/It is the exact flow
+   !> over h. From the instant where y2 = 0 (axis `middle`), y = (a, 0, b), the exact rotation over
+   !> h/2 gives 1/It_1 = 2 rho0 rho1/(h y1), 1/It_3 = 2 rho0 rho3/(h y3); axis 2 follows from the
+   !> others.
    subroutine exact_inverses(moments, h, a, b, modified)
       real(dp), intent(in) :: moments(3) !! rising or falling, so that axis 2 is the middle one
       real(qp), intent(in) :: h

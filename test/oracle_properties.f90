@@ -1,9 +1,11 @@
-!> What a map (y, q) -> (y', q') keeps: Poisson, symplectic, reversible, the invariants. The map is a procedure on
-!> plain state in quadruple precision; a map of double precision is wrapped, with a longer difference.
+!> What a map (y, q) -> (y', q') keeps: Poisson, symplectic, reversible, the invariants. The map is
+!> a procedure on plain state in quadruple precision; a map of double precision is wrapped, with a
+!> longer difference.
 !>
-!> Symplectic on T*SO(3): in the left trivialisation dQ = Q xi^, with momentum y, the canonical form is
-!> Omega((xi1, dy1), (xi2, dy2)) = dy1.xi2 - dy2.xi1 + xi1.(y x xi2),
-!> the same as the canonical form in any coordinates; the tangent map M must satisfy M^T Omega(y') M = Omega(y).
+!> Symplectic on T*SO(3): in the left trivialisation dQ = Q xi^, with momentum y, the canonical form
+!> is Omega((xi1, dy1), (xi2, dy2)) = dy1.xi2 - dy2.xi1 + xi1.(y x xi2),
+!> the same as the canonical form in any coordinates; the tangent map M must satisfy M^T Omega(y') M
+!> = Omega(y).
 module test_oracle_properties
    use poinsot_core_kinds, only: dp, qp
    use test_oracle_taylor, only: cross, quaternion_product
@@ -13,7 +15,7 @@ module test_oracle_properties
 
    !> A one-step map on one body.
    type, abstract :: plain_map
-      real(qp) :: delta = 1.0e-3_qp !! step of the differences: 1e-3 for maps in quadruple precision, 1e-2 for double
+      real(qp) :: delta = 1.0e-3_qp !! of the differences; 1e-2 suits double precision
    contains
       procedure(apply_map), deferred :: apply
    end type plain_map
@@ -22,6 +24,7 @@ module test_oracle_properties
       !> One step h; `ok` = .false. if the map has no answer.
       subroutine apply_map(self, h, y, q, ok)
          import :: plain_map, qp
+         implicit none(type, external)
          class(plain_map), intent(in) :: self
          real(qp), intent(in) :: h
          real(qp), intent(inout) :: y(3), q(4)
@@ -101,7 +104,8 @@ contains
       ok = all(good)
    end subroutine reversal_defects
 
-   !> The tangent map in left-trivialised coordinates (xi, dy/|y|), by central differences of order 8.
+   !> The tangent map in left-trivialised coordinates (xi, dy/|y|), by central differences of order
+   !> 8.
    subroutine tangent_map(map, h, y, q, tangent, ok)
       class(plain_map), intent(in) :: map
       real(qp), intent(in) :: h, y(3), q(4)

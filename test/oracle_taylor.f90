@@ -1,6 +1,7 @@
-!> The judge for bodies no data file knows: a Taylor series of high order in quadruple precision, for a free body, a
-!> gyrostat, or a body in a field with one direction fixed in space (uniform gravity, dipole, gravity gradient,
-!> aligning spring). It shares nothing with the library but the kinds.
+!> The judge for bodies no data file knows: a Taylor series of high order in quadruple precision,
+!> for a free body, a gyrostat, or a body in a field with one direction fixed in space (uniform
+!> gravity, dipole, gravity gradient, aligning spring). It shares nothing with the library but the
+!> kinds.
 !>
 !> The equations are quadratic, so the coefficients follow from Cauchy products:
 !> y' = y x w + g x (r + K g),  w = J^-1 (y - s),  g' = g x w,  q' = (1/2) q o (0, w),  g = Q^T k.
@@ -32,7 +33,7 @@ module test_oracle_taylor
       real(qp) :: energy = 0             !! relative defect of H + U
       real(qp) :: momentum = 0           !! relative defect of |y| (free) or of k.Qy (field)
       real(qp) :: norm = 0               !! defect of |q|
-      real(qp) :: difference = 0         !! taylor_verified: distance to a run of another order and step
+      real(qp) :: difference = 0         !! taylor_verified: to another run
       logical :: finished = .false.      !! the end time was reached
    end type taylor_report
 
@@ -100,7 +101,8 @@ contains
       report%norm = abs(sqrt(sum(q*q)) - 1)
    end subroutine taylor_flow
 
-   !> The same twice, with another order and other steps; `report%difference` is how far the two lie apart.
+   !> The same twice, with another order and other steps; `report%difference` is how far the two lie
+   !> apart.
    subroutine taylor_verified(problem, t, y, q, report)
       type(taylor_problem), intent(in) :: problem
       real(qp), intent(in) :: t
@@ -118,8 +120,9 @@ contains
       report%finished = report%finished .and. other%finished
    end subroutine taylor_verified
 
-   !> How far the result moves when each input moves by one part (as in test/data): sums over the inputs of
-   !> |d y(h)|/|y| and |d q(h)|, at least 1; with and without the moments among the inputs.
+   !> How far the result moves when each input moves by one part (as in test/data): sums over the
+   !> inputs of |d y(h)|/|y| and |d q(h)|, at least 1; with and without the moments among the
+   !> inputs.
    subroutine conditioning(moments, y0, h, cond_y, cond_q, state_y, state_q)
       real(dp), intent(in) :: moments(3), y0(3), h
       real(dp), intent(out) :: cond_y, cond_q, state_y, state_q
@@ -200,7 +203,8 @@ contains
       end do
    end subroutine taylor_series
 
-   !> Coefficient k of y x w. Without a spin the differences of 1/I stand in front, so nothing cancels twice.
+   !> Coefficient k of y x w. Without a spin the differences of 1/I stand in front, so nothing
+   !> cancels twice.
    pure function euler(problem, k, y, w) result(c)
       type(taylor_problem), intent(in) :: problem
       integer, intent(in) :: k
@@ -239,26 +243,28 @@ contains
       integer, intent(in) :: k
       real(qp), intent(in) :: q(0:max_order, 4), w(0:max_order, 3)
       real(qp) :: c(4)
-      c(1) = -cauchy(k, q(:, 2), w(:, 1)) - cauchy(k, q(:, 3), w(:, 2)) - cauchy(k, q(:, 4), w(:, 3))
+      c(1) = -cauchy(k, q(:, 2), w(:, 1)) - cauchy(k, q(:, 3), w(:, 2)) &
+         - cauchy(k, q(:, 4), w(:, 3))
       c(2) = cauchy(k, q(:, 1), w(:, 1)) + cauchy(k, q(:, 3), w(:, 3)) - cauchy(k, q(:, 4), w(:, 2))
       c(3) = cauchy(k, q(:, 1), w(:, 2)) + cauchy(k, q(:, 4), w(:, 1)) - cauchy(k, q(:, 2), w(:, 3))
       c(4) = cauchy(k, q(:, 1), w(:, 3)) + cauchy(k, q(:, 2), w(:, 2)) - cauchy(k, q(:, 3), w(:, 1))
    end function cauchy_turn
 
-   !> The longest step whose last two terms stay below the tolerance, for y, for the rates w and for q: a slow
-   !> component of a nearly linear body turns fast, so y alone would not do.
+   !> The longest step whose last two terms stay below the tolerance, for y, for the rates w and for
+   !> q: a slow component of a nearly linear body turns fast, so y alone would not do.
    pure subroutine choose_step(problem, n, cy, cq, tol, left, step, truncation)
       type(taylor_problem), intent(in) :: problem
       integer, intent(in) :: n
       real(qp), intent(in) :: cy(0:max_order, 3), cq(0:max_order, 4), tol, left
       real(qp), intent(out) :: step
       real(qp), intent(inout) :: truncation
-      real(qp) :: size(n - 1:n), longest
+      real(qp) :: size(n - 1:n), longest, rates(3)
       integer :: k
       longest = abs(left)
+      rates = problem%inverse*(cy(0, :) - problem%spin)
       do k = n - 1, n
          size(k) = max(ratio(cy(k, :), cy(0, :)), sqrt(sum(cq(k, :)**2)))
-         size(k) = max(size(k), ratio(problem%inverse*cy(k, :), problem%inverse*(cy(0, :) - problem%spin)))
+         size(k) = max(size(k), ratio(problem%inverse*cy(k, :), rates))
          if (size(k) > 0) longest = min(longest, (tol/size(k))**(1.0_qp/k))
       end do
       step = sign(longest, left)
@@ -290,7 +296,7 @@ contains
       energy = sum(problem%inverse*(y - problem%spin)**2)/2
       if (.not. problem%field) return
       g = rotate_back(q, problem%direction)
-      energy = energy + dot_product(problem%centre, g) + dot_product(g, matmul(problem%stiffness, g))/2
+      energy = energy + dot_product(problem%centre + matmul(problem%stiffness, g)/2, g)
    end function energy
 
    !> |y| of a free body; the component of Qy along the field otherwise.

@@ -5,12 +5,15 @@ module test_free
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method
    use poinsot_free_method, only: free_method, find_method
-   use test_bodies, only: random_stream, start_stream, body_kinds, rate_bound, generic_moments, random_quaternion
+   use test_bodies, only: random_stream, start_stream, body_kinds, rate_bound, generic_moments, &
+      random_quaternion
    use test_free_state, only: collect_free_state
-   use test_free_tools, only: method_names, method_orders, approximate_count, generic, start, start_q, turn_body, known, &
+   use test_free_tools, only: method_names, method_orders, approximate_count, generic, start, &
+      start_q, turn_body, known, &
       text, library_map, worst_of_kind, worst_of_hard, worst_of_map
    use test_measure, only: measure_slope, attitude_distance, momentum_distance, units
-   use test_oracle_data, only: free_case, read_free_rotation, published, published_1, published_2a, &
+   use test_oracle_data, only: free_case, read_free_rotation, published, published_1, &
+      published_2a, &
       published_2b, published_4_y
    use test_oracle_dmv, only: inverse_moments
    use test_oracle_properties, only: property_report, measure_properties
@@ -42,12 +45,14 @@ contains
          state]
    end subroutine collect_free
 
-   ! The methods -------------------------------------------------------------------------------------
+   ! The methods
+   ! -------------------------------------------------------------------------------------
 
    !> Every name is known, with its order; other names are refused with a message.
    subroutine test_registry(error)
       type(error_type), allocatable, intent(out) :: error
-      character(12), parameter :: wrong(6) = [character(12) :: "dmv", "dmv3", "dmv26", "Exact", "", "euler"]
+      character(12), parameter :: wrong(6) = [character(12) :: "dmv", "dmv3", "dmv26", "Exact", &
+         "", "euler"]
       type(free_method) :: method
       type(poinsot_error) :: answer
       integer :: i
@@ -64,7 +69,8 @@ contains
       do i = 1, size(wrong)
          answer = poinsot_error()
          call find_method(trim(wrong(i)), method, answer)
-         call check(error, answer%code, poinsot_e_method, "should be refused: '"//trim(wrong(i))//"'")
+         call check(error, answer%code, poinsot_e_method, "should be refused: '"//trim(wrong(i))// &
+            "'")
          if (allocated(error)) return
          call check(error, allocated(answer%message), "refused without a message")
          if (allocated(error)) return
@@ -96,13 +102,15 @@ contains
          end do
          call measure_slope(h, ey, 1.0e-15_dp, slope(1), used(1))
          call measure_slope(h, eq, 1.0e-15_dp, slope(2), used(2))
-         call check(error, maxval(abs(slope - method_orders(i))) < 0.05_dp + 0.03_dp*method_orders(i), &
+         call check(error, &
+            maxval(abs(slope - method_orders(i))) < 0.05_dp + 0.03_dp*method_orders(i), &
             "slopes of "//trim(method_names(i))//": "//text(slope(1))//", "//text(slope(2)))
          if (allocated(error)) return
       end do
    end subroutine test_orders
 
-   !> One step of every approximate method against its reference map in quadruple precision, on every kind of body.
+   !> One step of every approximate method against its reference map in quadruple precision, on
+   !> every kind of body.
    subroutine test_maps(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: worst
@@ -110,7 +118,8 @@ contains
       do i = 1, approximate_count
          do k = 1, size(body_kinds)
             call worst_of_map(method_names(i), body_kinds(k), 12, worst)
-            call check(error, worst < 5, trim(method_names(i))//" is "//text(worst)//" e-16 off its reference map on "// &
+            call check(error, worst < 5, trim(method_names(i))//" is "//text(worst)// &
+               " e-16 off its reference map on "// &
                body_kinds(k))
             if (allocated(error)) return
          end do
@@ -137,13 +146,17 @@ contains
             most = max(most, defect)
          end do
          splits = i <= 2
-         call check(error, most(1) < 2.0e-14_dp, trim(method_names(i))//" loses Qy: "//text(most(1)))
+         call check(error, most(1) < 2.0e-14_dp, trim(method_names(i))//" loses Qy: "// &
+            text(most(1)))
          if (allocated(error)) return
-         call check(error, most(2) < 2.0e-14_dp, trim(method_names(i))//" loses |y|: "//text(most(2)))
+         call check(error, most(2) < 2.0e-14_dp, trim(method_names(i))//" loses |y|: "// &
+            text(most(2)))
          if (allocated(error)) return
-         call check(error, (most(3) < 2.0e-14_dp) .neqv. splits, trim(method_names(i))//" energy: "//text(most(3)))
+         call check(error, (most(3) < 2.0e-14_dp) .neqv. splits, trim(method_names(i))// &
+            " energy: "//text(most(3)))
          if (allocated(error)) return
-         call check(error, most(4) < 2.0e-14_dp, trim(method_names(i))//" loses |q|: "//text(most(4)))
+         call check(error, most(4) < 2.0e-14_dp, trim(method_names(i))//" loses |q|: "// &
+            text(most(4)))
          if (allocated(error)) return
       end do
    end subroutine test_invariants
@@ -162,10 +175,12 @@ contains
    !> The review's Table 2, columns Poisson and symplectic, on the library's own maps.
    subroutine test_properties(error)
       type(error_type), allocatable, intent(out) :: error
-      character(20), parameter :: names(7) = [character(20) :: "exact", "three-rotations", "symmetric-rotation", &
+      character(20), parameter :: names(7) = [character(20) :: "exact", "three-rotations", &
+         "symmetric-rotation", &
          "dmv2", "dmv4", "dmv8", "midpoint"]
       logical, parameter :: poisson(7) = [.true., .true., .true., .true., .true., .true., .false.]
-      logical, parameter :: symplectic(7) = [.true., .true., .true., .true., .false., .false., .false.]
+      logical, parameter :: symplectic(7) = [.true., .true., .true., .true., .false., .false., &
+         .false.]
       real(dp), parameter :: small = 1.0e-10_dp
       type(library_map) :: map
       type(property_report) :: p
@@ -178,7 +193,8 @@ contains
             [0.1_qp, 0.7_qp, -0.5_qp, 0.5_qp], p)
          call check(error, p%ok, trim(names(i))//" has no answer")
          if (allocated(error)) return
-         call check(error, (p%poisson < small) .eqv. poisson(i), trim(names(i))//" Poisson: "//text(p%poisson))
+         call check(error, (p%poisson < small) .eqv. poisson(i), trim(names(i))//" Poisson: "// &
+            text(p%poisson))
          if (allocated(error)) return
          call check(error, (p%symplectic < small) .eqv. symplectic(i), &
             trim(names(i))//" symplectic: "//text(p%symplectic))
@@ -199,8 +215,8 @@ contains
       call judge_published(error, published_4_y, "TOMS 903")
    end subroutine test_published
 
-   !> Published end state 2, second body: its moments break the triangle inequality by two parts in a thousand, yet it is
-   !> published, so it must run.
+   !> Published end state 2, second body: its moments break the triangle inequality by two parts in
+   !> a thousand, yet it is published, so it must run.
    subroutine test_published_unphysical(error)
       type(error_type), allocatable, intent(out) :: error
       call judge_published(error, published_2b, "Hairer and Vilmart, second body")
@@ -230,7 +246,8 @@ contains
       end do
    end subroutine judge_published
 
-   ! The data file -----------------------------------------------------------------------------------
+   ! The data file
+   ! -----------------------------------------------------------------------------------
 
    !> All the named kinds within `allowed` units.
    subroutine judge_kinds(error, name, kinds, allowed)
@@ -247,7 +264,8 @@ contains
       do k = 1, size(kinds)
          call worst_of_kind(name, kinds(k), cases, worst_y, worst_q, line)
          write (where_, "(i4)") line
-         call check(error, max(worst_y, worst_q) <= allowed, trim(name)//" on "//trim(kinds(k))//": y "// &
+         call check(error, max(worst_y, worst_q) <= allowed, trim(name)//" on "//trim(kinds(k))// &
+            ": y "// &
             text(worst_y)//", q "//text(worst_q)//" units of conditioning, line "//where_)
          if (allocated(error)) return
       end do
@@ -255,7 +273,8 @@ contains
 
    subroutine test_data_exact(error)
       type(error_type), allocatable, intent(out) :: error
-      call judge_kinds(error, "exact", [character(12) :: "generic", "nearsym", "flat", "nearlinear", "linear", &
+      call judge_kinds(error, "exact", [character(12) :: "generic", "nearsym", "flat", &
+         "nearlinear", "linear", &
          "sphere", "separatrix", "axis", "rest", "scaleI", "middle", "long"], 4.0_dp)
    end subroutine test_data_exact
 
@@ -265,11 +284,13 @@ contains
          call skip_test(error, "jacobi is not there yet")
          return
       end if
-      call judge_kinds(error, "jacobi", [character(12) :: "generic", "nearsym", "flat", "nearlinear", "linear", &
+      call judge_kinds(error, "jacobi", [character(12) :: "generic", "nearsym", "flat", &
+         "nearlinear", "linear", &
          "sphere", "separatrix", "axis", "rest", "long", "middle", "scaleI"], 5.0_dp)
    end subroutine test_data_jacobi
 
-   !> dmv16 on short pieces of the same motions: the series has converged, so it is as good as exact.
+   !> dmv16 on short pieces of the same motions: the series has converged, so it is as good as
+   !> exact.
    subroutine test_data_dmv(error)
       type(error_type), allocatable, intent(out) :: error
       type(free_case), allocatable :: cases(:)
@@ -286,12 +307,14 @@ contains
          eq = units(attitude_distance(real(q, qp), cases(i)%turn), cases(i)%cond_r)
          call check(error, status, poinsot_ok, "dmv16 fails on "//cases(i)%kind)
          if (allocated(error)) return
-         call check(error, max(ey, eq) < 8 + 0.3_dp*n, "dmv16 on "//trim(cases(i)%kind)//": y "//text(ey)//", q "//text(eq))
+         call check(error, max(ey, eq) < 8 + 0.3_dp*n, "dmv16 on "//trim(cases(i)%kind)//": y "// &
+            text(ey)//", q "//text(eq))
          if (allocated(error)) return
       end do
    end subroutine test_data_dmv
 
-   ! Hard random bodies ------------------------------------------------------------------------------
+   ! Hard random bodies
+   ! ------------------------------------------------------------------------------
 
    !> `exact` on every kind of hard body, one short step and steps that need substeps.
    subroutine test_hard(error)
@@ -318,7 +341,8 @@ contains
       integer :: k
       do k = 1, size(body_kinds)
          call worst_of_hard(name, body_kinds(k), reach, 25, worst_y, worst_q)
-         call check(error, max(worst_y, worst_q) < allowed, trim(name)//" on hard "//trim(body_kinds(k))//" bodies: y "// &
+         call check(error, max(worst_y, worst_q) < allowed, trim(name)//" on hard "// &
+            trim(body_kinds(k))//" bodies: y "// &
             text(worst_y)//", q "//text(worst_q)//" units of conditioning")
          if (allocated(error)) return
       end do

@@ -1,22 +1,28 @@
-!> The judges judged: the tests' own instruments against data and against each other, without the library.
+!> The judges judged: the tests' own instruments against data and against each other, without the
+!> library.
 module test_oracle
    use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
    use poinsot_core_kinds, only: dp, qp
-   use test_bodies, only: random_body, random_stream, start_stream, hard_body, body_kinds, rate_bound, uniform, &
+   use test_bodies, only: random_body, random_stream, start_stream, hard_body, body_kinds, &
+      rate_bound, uniform, &
       log_uniform, permute_body
    use test_measure, only: measure_slope, attitude_distance, momentum_distance
-   use test_oracle_data, only: free_case, read_free_rotation, top_case, read_top, dmv_term, read_dmv_coefficients, &
+   use test_oracle_data, only: free_case, read_free_rotation, top_case, read_top, dmv_term, &
+      read_dmv_coefficients, &
       published_3
-   use test_oracle_dmv, only: table_1, rational_coefficients, exact_inverses, modified_inverses, truncated_inverses, reference_map, &
+   use test_oracle_dmv, only: table_1, rational_coefficients, exact_inverses, modified_inverses, &
+      truncated_inverses, reference_map, &
       make_reference, inverse_moments
    use test_oracle_properties, only: property_report, measure_properties
-   use test_oracle_taylor, only: taylor_report, taylor_flow, taylor_verified, free_problem, top_problem, conditioning, &
+   use test_oracle_taylor, only: taylor_report, taylor_flow, taylor_verified, free_problem, &
+      top_problem, conditioning, &
       taylor_problem
    implicit none(type, external)
    private
    public :: collect_oracle
 
-   real(dp), parameter :: moments(3) = [0.8_dp, 0.55_dp, 0.95_dp], momentum(3) = [0.5_dp, -0.6_dp, 0.4_dp]
+   real(dp), parameter :: moments(3) = [0.8_dp, 0.55_dp, 0.95_dp], momentum(3) = [0.5_dp, &
+      -0.6_dp, 0.4_dp]
 
 contains
 
@@ -81,7 +87,8 @@ contains
       call check(error, worst < 1.0e-23_dp, "Taylor series and data file differ")
    end subroutine test_taylor_free
 
-   !> The series against top.csv: the first row to all its digits, the others to the rounding of their attitudes.
+   !> The series against top.csv: the first row to all its digits, the others to the rounding of
+   !> their attitudes.
    subroutine test_taylor_top(error)
       type(error_type), allocatable, intent(out) :: error
       type(top_case), allocatable :: cases(:)
@@ -111,7 +118,8 @@ contains
       real(qp) :: y(3), q(4)
       y = published_3%y
       q = [1, 0, 0, 0]
-      call taylor_flow(top_problem(published_3%moments, [0.0_dp, 0.0_dp, 1.0_dp], [0.0_dp, 0.0_dp, 1.0_dp]), &
+      call taylor_flow(top_problem(published_3%moments, [0.0_dp, 0.0_dp, 1.0_dp], [0.0_dp, &
+         0.0_dp, 1.0_dp]), &
          real(published_3%t, qp), y, q, report)
       call check(error, maxval(abs(y - published_3%y_end)) < published_3%digits, "momentum")
       if (allocated(error)) return
@@ -125,14 +133,16 @@ contains
       type(taylor_report) :: report
       real(qp) :: y(3), q(4)
       problem = top_problem(moments, [0.1_dp, -0.3_dp, 0.4_dp], [0.6_dp, 0.0_dp, 0.8_dp])
-      problem%stiffness = reshape([0.5_qp, 0.1_qp, 0.0_qp, 0.1_qp, -0.3_qp, 0.2_qp, 0.0_qp, 0.2_qp, 0.7_qp], [3, 3])
+      problem%stiffness = reshape([0.5_qp, 0.1_qp, 0.0_qp, 0.1_qp, -0.3_qp, 0.2_qp, 0.0_qp, &
+         0.2_qp, 0.7_qp], [3, 3])
       problem%spin = [0.2_qp, 0.1_qp, -0.3_qp]
       y = momentum
       q = [0.5_qp, 0.5_qp, -0.5_qp, 0.5_qp]
       call taylor_verified(problem, -2.0_qp, y, q, report)
       call check(error, report%difference < 1.0e-29_qp, "two runs differ")
       if (allocated(error)) return
-      call check(error, max(report%energy, report%momentum, report%norm) < 1.0e-29_qp, "an invariant is lost")
+      call check(error, max(report%energy, report%momentum, report%norm) < 1.0e-29_qp, &
+         "an invariant is lost")
    end subroutine test_taylor_fields
 
    !> Our condition numbers against those of the data file.
@@ -144,11 +154,13 @@ contains
       call read_free_rotation(cases)
       n = 0
       do i = 1, size(cases), 11
-         if (rate_bound(cases(i)%moments, cases(i)%y)*abs(cases(i)%h) > 12 .or. all(cases(i)%y == 0)) cycle
+         if (rate_bound(cases(i)%moments, cases(i)%y)*abs(cases(i)%h) > 12 .or. &
+            all(cases(i)%y == 0)) cycle
          call conditioning(cases(i)%moments, cases(i)%y, cases(i)%h, c(1), c(2), c(3), c(4))
          expected = [cases(i)%cond_y, cases(i)%cond_r, cases(i)%state_y, cases(i)%state_r]
          if (cases(i)%kind == "linear") c(1:2) = expected(1:2) ! there the two moments go together
-         call check(error, maxval(abs(log(c/expected))) < log(1.5_dp), "condition numbers of "//cases(i)%kind)
+         call check(error, maxval(abs(log(c/expected))) < log(1.5_dp), "condition numbers of "// &
+            cases(i)%kind)
          if (allocated(error)) return
          n = n + 1
       end do
@@ -195,7 +207,8 @@ contains
          do k = 1, 2
             h = 0.2_qp/2**k
             call exact_inverses(rising, h, 0.6_qp, -0.7_qp, exact)
-            call modified_inverses(terms, inverse_moments(rising), order, h, [0.6_qp, 0.0_qp, -0.7_qp], series)
+            call modified_inverses(terms, inverse_moments(rising), order, h, [0.6_qp, 0.0_qp, &
+               -0.7_qp], series)
             gap(k) = real(maxval(abs(series - exact)), dp)
          end do
          slope = log(gap(1)/gap(2))/log(2.0_dp)
@@ -206,13 +219,15 @@ contains
       end do
    end subroutine test_series
 
-   !> Rational polynomials and power series give the same modified inverses, for any labels of the axes.
+   !> Rational polynomials and power series give the same modified inverses, for any labels of the
+   !> axes.
    subroutine test_truncated(error)
       type(error_type), allocatable, intent(out) :: error
       type(dmv_term), allocatable :: terms(:)
       type(random_stream) :: stream
       type(random_body) :: body
-      character(12), parameter :: kinds(4) = [character(12) :: "generic", "nearsym", "flat", "sphere"]
+      character(12), parameter :: kinds(4) = [character(12) :: "generic", "nearsym", "flat", &
+         "sphere"]
       real(qp) :: one(3), other(3)
       integer :: i, order
       call read_dmv_coefficients(terms)
@@ -220,9 +235,12 @@ contains
       do i = 1, 40
          call hard_body(stream, kinds(1 + mod(i, 4)), 1.0_dp, body)
          order = 2 + 2*mod(i, 12)
-         call modified_inverses(terms, inverse_moments(body%moments), order, real(body%h, qp), real(body%y, qp), one)
-         call truncated_inverses(real(body%moments, qp), order, real(body%h, qp), real(body%y, qp), other)
-         call check(error, maxval(abs(other/one - 1)) < 1.0e-26_qp, "they differ for "//trim(body%kind)//": "// &
+         call modified_inverses(terms, inverse_moments(body%moments), order, real(body%h, qp), &
+            real(body%y, qp), one)
+         call truncated_inverses(real(body%moments, qp), order, real(body%h, qp), real(body%y, &
+            qp), other)
+         call check(error, maxval(abs(other/one - 1)) < 1.0e-26_qp, "they differ for "// &
+            trim(body%kind)//": "// &
             text(real(maxval(abs(other/one - 1)), dp)))
          if (allocated(error)) return
       end do
@@ -231,7 +249,8 @@ contains
    !> Every reference map has its order, in y and in q.
    subroutine test_orders(error)
       type(error_type), allocatable, intent(out) :: error
-      character(20), parameter :: names(8) = [character(20) :: "midpoint", "three-rotations", "symmetric-rotation", &
+      character(20), parameter :: names(8) = [character(20) :: "midpoint", "three-rotations", &
+         "symmetric-rotation", &
          "dmv2", "dmv4", "dmv8", "dmv16", "dmv24"]
       integer, parameter :: orders(8) = [2, 2, 2, 2, 4, 8, 16, 24]
       type(reference_map) :: map
@@ -256,7 +275,8 @@ contains
          end do
          call measure_slope(h, ey, 1.0e-32_dp, slope(1), used(1))
          call measure_slope(h, eq, 1.0e-32_dp, slope(2), used(2))
-         call check(error, maxval(abs(slope - orders(i) - 1)) < 0.1_dp + 0.04_dp*orders(i), "local order of "//trim(names(i))//": "//text(slope(1))//text(slope(2)))
+         call check(error, maxval(abs(slope - orders(i) - 1)) < 0.1_dp + 0.04_dp*orders(i), &
+            "local order of "//trim(names(i))//": "//text(slope(1))//text(slope(2)))
          if (allocated(error)) return
       end do
    end subroutine test_orders
@@ -264,17 +284,20 @@ contains
    !> What each reference map keeps, and what it does not: the measured Table 2 of the review.
    subroutine test_properties(error)
       type(error_type), allocatable, intent(out) :: error
-      character(20), parameter :: names(7) = [character(20) :: "exact", "three-rotations", "symmetric-rotation", &
+      character(20), parameter :: names(7) = [character(20) :: "exact", "three-rotations", &
+         "symmetric-rotation", &
          "midpoint", "dmv2", "dmv4", "dmv8"]
       logical, parameter :: poisson(7) = [.true., .true., .true., .false., .true., .true., .true.]
-      logical, parameter :: symplectic(7) = [.true., .true., .true., .false., .true., .false., .false.]
+      logical, parameter :: symplectic(7) = [.true., .true., .true., .false., .true., .false., &
+         .false.]
       logical, parameter :: energy(7) = [.true., .false., .false., .true., .true., .true., .true.]
       type(reference_map) :: map
       type(property_report) :: p
       integer :: i
       do i = 1, size(names)
          call make_reference(names(i), moments, map)
-         call measure_properties(map, map%inverse, 0.5_qp, real(momentum, qp), [0.1_qp, 0.7_qp, -0.5_qp, 0.5_qp], p)
+         call measure_properties(map, map%inverse, 0.5_qp, real(momentum, qp), [0.1_qp, 0.7_qp, &
+            -0.5_qp, 0.5_qp], p)
          call check(error, p%ok, names(i)//" has no answer")
          if (allocated(error)) return
          call agrees(error, names(i), "Poisson", p%poisson, poisson(i))
@@ -283,7 +306,8 @@ contains
          if (allocated(error)) return
          call agrees(error, names(i), "energy", p%energy, energy(i))
          if (allocated(error)) return
-         call agrees(error, names(i), "common", max(p%symmetric, p%reversible, p%space_momentum, p%casimir, p%norm, &
+         call agrees(error, names(i), "common", max(p%symmetric, p%reversible, p%space_momentum, &
+            p%casimir, p%norm, &
             p%equivariant), .true.)
          if (allocated(error)) return
       end do
@@ -317,11 +341,13 @@ contains
          do j = 1, 30
             call hard_body(stream, body_kinds(k), 100.0_dp, body)
             associate (i => body%moments)
-               call check(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i), "unphysical "//body_kinds(k))
+               call check(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i), "unphysical "// &
+                  body_kinds(k))
                if (allocated(error)) return
                thin = min(thin, minval(i)/maxval(i))
             end associate
-            call check(error, rate_bound(body%moments, body%y)*abs(body%h) < 101, "step of "//body_kinds(k))
+            call check(error, rate_bound(body%moments, body%y)*abs(body%h) < 101, "step of "// &
+               body_kinds(k))
             if (allocated(error)) return
          end do
       end do
@@ -336,7 +362,8 @@ contains
       r = other%q
       call taylor_flow(free_problem(body%moments), real(body%h, qp), y, q, report)
       call taylor_flow(free_problem(other%moments), real(body%h, qp), z, r, report)
-      call check(error, maxval(abs(z + y([3, 2, 1]))) + maxval(abs(r(2:4) + q([4, 3, 2]))) < 1.0e-30_qp, &
+      call check(error, maxval(abs(z + y([3, 2, 1]))) + maxval(abs(r(2:4) + q([4, 3, &
+         2]))) < 1.0e-30_qp, &
          "an odd relabelling is not a mirror image")
       if (allocated(error)) return
       thin = log_uniform(stream, 2.0_dp, 3.0_dp)
