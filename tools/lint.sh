@@ -17,12 +17,14 @@ for it in src app test example tools; do [ -d $it ] && folders="$folders $it"; d
 $tools/fortitude check --output-format concise $folders || bad=1
 
 echo "lint: module name = path"
-# src/room/file.f90 holds module poinsot_room_file, src/room.f90 poinsot_room, test/test_room.f90 test_room.
+# src/room/file.f90 holds module poinsot_room_file, src/room.f90 poinsot_room, test/test_room.f90 test_room,
+# test/instrument.f90 test_instrument.
 for file in $(find src test -maxdepth 3 -name '*.f90' ! -path 'test/*/*' ! -name main.f90 | sort); do
    case $file in
    src/poinsot.f90) want=poinsot ;;
    src/*) want=poinsot_$(echo "${file#src/}" | sed 's/\.f90$//; s,/,_,g') ;;
-   *) want=$(basename "$file" .f90) ;;
+   test/test_*) want=$(basename "$file" .f90) ;;
+   *) want=test_$(basename "$file" .f90) ;;
    esac
    found=$(sed -n 's/^ *\(sub\)\{0,1\}module  *\(([^)]*) *\)\{0,1\}\([a-z][a-z0-9_]*\) *\(!.*\)\{0,1\}$/\3/p' "$file" | grep -vx procedure | tr '\n' ' ')
    if [ "$found" != "$want " ]; then
