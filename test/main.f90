@@ -5,9 +5,11 @@ program check_poinsot
    use testdrive, only: testsuite_type, unittest_type, new_testsuite, select_suite, select_test
    use testdrive, only: run_selected, get_argument
    use poinsot_core_kinds, only: dp, i8
+   use test_body, only: collect_body
    use test_core, only: collect_core
    use test_free, only: collect_free
    use test_oracle, only: collect_oracle
+   use test_rotation, only: collect_rotation
    implicit none(type, external)
 
    type(testsuite_type), allocatable :: suites(:)
@@ -16,6 +18,8 @@ program check_poinsot
 
    suites = [ &
       new_testsuite("core", collect_core), &
+      new_testsuite("rotation", collect_rotation), &
+      new_testsuite("body", collect_body), &
       new_testsuite("oracle", collect_oracle), &
       new_testsuite("free", collect_free)]
    first = 1
