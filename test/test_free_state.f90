@@ -267,8 +267,8 @@ contains
    ! Refusals
    ! ----------------------------------------------------------------------------------------
 
-   !> h|omega| > pi/2: approximate methods say E_STEP and keep the state. Below, up to that edge, they agree with
-   !> their reference maps, where there is a root, and never return the wrong one.
+   !> h|omega| > pi/2: approximate methods say E_STEP and keep the state. Below, up to that edge,
+   !> they agree with their reference maps, where there is a root, and never return the wrong one.
    subroutine test_long_step(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: moments(3) = [0.627_dp, 0.376_dp, 1.0_dp]
