@@ -34,8 +34,8 @@ module poinsot_body_class
       real(dp) :: f1 = 0                  !! (I3-I2)/I3
       real(dp) :: g1 = 0.5_dp             !! theta I3/I1; 0 if I1 = 0
       real(dp) :: g3 = 0.5_dp             !! (1-theta) I1/I3
-      real(dp) :: p(0:max_degree, 0:max_degree) = 0 !! series P: coefficient (i,j) of p^i r^j
-      real(dp) :: r(0:max_degree, 0:max_degree) = 0 !! series R
+      real(dp) :: p(0:max_degree, 0:max_degree) = 0 !! series 1 + P: coefficient (i,j) of p^i r^j
+      real(dp) :: r(0:max_degree, 0:max_degree) = 0 !! series 1 + R
       real(dp) :: reach(series_levels) = 0 !! largest (h |omega|)^2 for which a level is exact to rounding
    end type body_class
 

@@ -24,8 +24,8 @@ contains
    !> Vilmart and Hairer (2006); recursion of mathematics section 3.
    pure subroutine correction_series(a, p, r)
       real(dp), intent(in) :: a(3)                                !! (I3-I2)/I1, (I3-I1)/I2, (I2-I1)/I3, sorted
-      real(dp), intent(out) :: p(0:max_degree, 0:max_degree)      !! coefficients of P
-      real(dp), intent(out) :: r(0:max_degree, 0:max_degree)      !! coefficients of R
+      real(dp), intent(out) :: p(0:max_degree, 0:max_degree)      !! coefficients of 1 + P
+      real(dp), intent(out) :: r(0:max_degree, 0:max_degree)      !! coefficients of 1 + R
       type(series) :: f, g, k, q0, q1, q2, q3, rho, w
       integer :: n
 
@@ -129,7 +129,7 @@ contains
       end do
    end function combination
 
-   !> From powers of t^2 = h^2/4 to powers of h^2, without the leading 1.
+   !> From powers of t^2 = h^2/4 to powers of h^2.
    pure subroutine table(x, c)
       type(series), intent(in) :: x
       real(dp), intent(out) :: c(0:max_degree, 0:max_degree)
@@ -140,7 +140,6 @@ contains
             c(i, j) = c(i, j)*0.25_dp**(i + j)
          end do
       end do
-      c(0, 0) = 0
    end subroutine table
 
    !> Coefficients by powers of both variables.

@@ -20,8 +20,8 @@ contains
       integer :: l
       !GCC$ ivdep
       do l = 1, lanes
-         excess = 0.5_dp*((q(l, 1)**2 + q(l, 2)**2) + (q(l, 3)**2 + q(l, 4)**2) - 1)
-         excess = merge(excess, 0.0_dp, abs(h(l)) > 0)
+         excess = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0) &
+                  *((q(l, 1)**2 + q(l, 2)**2) + (q(l, 3)**2 + q(l, 4)**2) - 1)
          y(l, 1) = y(l, 1) + dy(l, 1)
          y(l, 2) = y(l, 2) + dy(l, 2)
          y(l, 3) = y(l, 3) + dy(l, 3)
@@ -40,8 +40,8 @@ contains
       integer :: l, j
       !GCC$ ivdep
       do l = 1, lanes
-         excess(l) = 0.5_dp*((q(l, 1)**2 + q(l, 2)**2) + (q(l, 3)**2 + q(l, 4)**2) - 1)
-         excess(l) = merge(excess(l), 0.0_dp, abs(h(l)) > 0)
+         excess(l) = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0) &
+                     *((q(l, 1)**2 + q(l, 2)**2) + (q(l, 3)**2 + q(l, 4)**2) - 1)
       end do
       call add_kick_compensated(dy, y, carry)
       do j = 1, 4
@@ -90,7 +90,7 @@ contains
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
       real(dp), intent(inout) :: dy(lanes, 3)
-      real(dp) :: i1, i2, i3, w1, w2, w3, y1, y2, y3, e, yy, yw, ww, gg, f, scale, biggest
+      real(dp) :: i1, i2, i3, w1, w2, w3, y1, y2, y3, e, yy, yw, ww, gg, f, scale, biggest, alive
       integer :: l
       real(dp), parameter :: small = 1e-4_dp
       i1 = class%inverse(1)
@@ -103,22 +103,24 @@ contains
          y1 = y(l, 1) + dy(l, 1)
          y2 = y(l, 2) + dy(l, 2)
          y3 = y(l, 3) + dy(l, 3)
-         biggest = max(abs(y1), abs(y2), abs(y3))
-         scale = merge(1/max(biggest, tiny(1.0_dp)), 0.0_dp, biggest > tiny(1.0_dp))
+         biggest = abs(y1) + abs(y2) + abs(y3)
+         alive = merge(1.0_dp, 0.0_dp, biggest > tiny(1.0_dp))
+         scale = alive/(biggest + (1 - alive))
          w1 = h(l)*(y1*i1)
          w2 = h(l)*(y2*i2)
          w3 = h(l)*(y3*i3)
          y1 = y1*scale
          y2 = y2*scale
          y3 = y3*scale
-         yy = merge(y1*y1 + y2*y2 + y3*y3, 1.0_dp, scale > 0)
+         yy = y1*y1 + y2*y2 + y3*y3 + (1 - alive)
          yw = (y1*w1 + y2*w2 + y3*w3)/yy
          ww = w1*w1 + w2*w2 + w3*w3
          w1 = w1 - yw*y1
          w2 = w2 - yw*y2
          w3 = w3 - yw*y3
          gg = w1*w1 + w2*w2 + w3*w3
-         f = merge(e, 0.0_dp, gg > small*ww)/merge(gg, 1.0_dp, gg > small*ww)
+         alive = merge(1.0_dp, 0.0_dp, gg > small*ww)
+         f = alive*e/(gg + (1 - alive))
          dy(l, 1) = dy(l, 1) - f*w1
          dy(l, 2) = dy(l, 2) - f*w2
          dy(l, 3) = dy(l, 3) - f*w3

@@ -3,7 +3,8 @@
 module poinsot_free_exact
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_step
-   use poinsot_body_class, only: body_class, series_levels, longest_step
+   use poinsot_core_lanes, only: largest
+   use poinsot_body_class, only: body_class, series_levels
    use poinsot_free_exact_step, only: step_sizes, exact_step_increment
    use poinsot_free_jacobi_solution, only: jacobi_increment
    implicit none(type, external)
@@ -24,11 +25,12 @@ contains
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), p(lanes), r(lanes)
+      real(dp) :: w(lanes, 3), p(lanes), r(lanes), above
 
       call step_sizes(class, h, y, w, p, r)
-      if (maxval(p + r) <= min(class%reach(series_levels), longest_step**2)) then
-         call exact_step_increment(class, w, p, r, y, q, dy, dq)
+      above = largest(p + r)
+      if (above <= class%reach(series_levels)) then
+         call exact_step_increment(class, w, p, r, above, y, q, dy, dq)
       else
          call long_increment(class, terms, p + r, h, y, q, dy, dq, status)
       end if
@@ -45,7 +47,7 @@ contains
       integer :: k
 
       parts = 1
-      where (sizes > min(class%reach(series_levels), longest_step**2)) &
+      where (sizes > class%reach(series_levels)) &
          parts = aint(sqrt(sizes/class%reach(substep_level))*(1 + 8*epsilon(1.0_dp))) + 1
       where (sizes > longest_phase**2)
          status = poinsot_e_step
@@ -53,15 +55,15 @@ contains
       end where
       dy = 0
       dq = 0
-      if (any(parts > most_substeps)) then
+      if (largest(parts) > most_substeps) then
          step = merge(h, 0.0_dp, parts > most_substeps)
          call jacobi_increment(class, terms, step, y, q, dy, dq, status)
          where (parts > most_substeps) parts = 0
       end if
-      do k = 1, nint(maxval(parts))
+      do k = 1, nint(largest(parts))
          step = merge(h, 0.0_dp, k <= parts)/max(parts, 1.0_dp)
          call step_sizes(class, step, y + dy, w, p, r)
-         call exact_step_increment(class, w, p, r, y + dy, q + dq, ddy, ddq)
+         call exact_step_increment(class, w, p, r, largest(p + r), y + dy, q + dq, ddy, ddq)
          dy = dy + ddy
          dq = dq + ddq
       end do

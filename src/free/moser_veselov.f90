@@ -6,6 +6,7 @@
 !> as sums of small terms, so that nearly linear, nearly symmetric and flat bodies lose no digits.
 module poinsot_free_moser_veselov
    use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_lanes, only: largest, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
    use poinsot_body_class, only: body_class
    use poinsot_free_exact_step, only: step_sizes
@@ -67,8 +68,8 @@ contains
       call correction(terms, class, p, r, ps, rs)
       call coefficients(class, live, w, ps, rs, z, kappa, slip)
       call solve(stretch, p + r, z, kappa, e, found)
-      if (minval(live) < 1) where (live < 1) status = poinsot_e_step
-      if (minval(found) < 1) where (found < 1 .and. status == poinsot_ok) status = poinsot_e_convergence
+      if (smallest(live) < 1) where (live < 1) status = poinsot_e_step
+      if (smallest(found) < 1) where (found < 1 .and. status == poinsot_ok) status = poinsot_e_convergence
       call apply(class, e, slip, y, q, dy, dq)
    end subroutine cayley_increment
 
@@ -83,8 +84,8 @@ contains
       !GCC$ ivdep
       do l = 1, lanes
          d = ps(l) - rs(l)
-         one_p = 1 + ps(l)
-         one_r = 1 + rs(l)
+         one_p = ps(l)
+         one_r = rs(l)
          one_c = one_r + class%theta*d
          z(l, 1) = 0.5_dp*live(l)*w(l, 1)*one_p
          z(l, 2) = 0.5_dp*live(l)*w(l, 2)*one_c
@@ -124,7 +125,7 @@ contains
                      + merge(1.0_dp, 0.0_dp, size(l) > sweep_bound(3)) &
                      + merge(3.0_dp, 0.0_dp, size(l) > sweep_bound(4))
       end do
-      do k = 1, nint(maxval(sweeps))
+      do k = 1, nint(largest(sweeps))
          call newton(stretch, z, kappa, merge(1.0_dp, 0.0_dp, sweeps >= k), e, moved)
       end do
       !GCC$ ivdep

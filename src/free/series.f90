@@ -22,17 +22,17 @@ module poinsot_free_series
 
 contains
 
-   !> P(p, r) and R(p, r) to a given degree in h^2, lane by lane. Mathematics, sections 2 and 3.
+   !> 1 + P(p, r) and 1 + R(p, r) to a given degree in h^2, lane by lane. Mathematics, sections 2 and 3.
    pure subroutine correction(degree, class, p, r, ps, rs)
       integer, intent(in) :: degree                  !! 0 (none) to 11
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: p(lanes), r(lanes)     !! h^2 p2 and h^2 r2, constants of the motion
-      real(dp), intent(out) :: ps(lanes), rs(lanes)  !! P and R
+      real(dp), intent(out) :: ps(lanes), rs(lanes)  !! 1 + P and 1 + R
       call polynomial(degree, class%p, p, r, ps)
       call polynomial(degree, class%r, p, r, rs)
    end subroutine correction
 
-   !> One bivariate polynomial without constant term: rows are Horner schemes in x, nested in powers of y.
+   !> One bivariate polynomial: rows are Horner schemes in x, nested in powers of y.
    pure subroutine polynomial(degree, c, x, y, f)
       integer, intent(in) :: degree
       real(dp), intent(in) :: c(0:max_degree, 0:max_degree), x(lanes), y(lanes)
@@ -161,7 +161,7 @@ contains
             f(l) = f(l)*y(l) + h11(c(0, 0), x(l))
          end do
       case default
-         f = 0
+         f = 1
       end select
    end subroutine polynomial
 
