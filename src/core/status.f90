@@ -21,7 +21,7 @@ module poinsot_core_status
    integer, parameter :: poinsot_e_scene = 11
    integer, parameter :: poinsot_e_cpu = 12
 
-   character(72), parameter :: texts(0:12) = [character(72) :: &
+   character(76), parameter :: texts(0:12) = [character(76) :: &
       "ok", &
       "a required pointer is NULL", &
       "a size or a stride does not fit", &

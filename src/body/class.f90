@@ -1,0 +1,160 @@
+!> A body class: what a kernel needs to know of a body's moments of inertia, worked out once.
+!>
+!> Kernels see bodies through axes sorted by moment, I1 <= I2 <= I3 (`order`); an odd order would be a mirror image, so
+!> it comes with `parity = -1`, the sign of momentum and of the vector part of a rotation. All constants below are
+!> dimensionless and finite for every physical body, linear, flat, symmetric and spherical ones alike; nothing here
+!> multiplies two moments, so that SI units of molecules (1e-46 kg m^2) cost nothing.
+module poinsot_body_class
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_body_moments, only: check_moments
+   use poinsot_body_series, only: max_degree, degree_bound, correction_series
+   use poinsot_body_universal, only: universal_bound
+   implicit none(type, external)
+   private
+   public :: body_class, make_class, series_levels, level_degree, longest_step
+
+   integer, parameter :: series_levels = 4                             !! lengths of series the exact step offers
+   integer, parameter :: level_degree(series_levels) = [4, 6, 8, 10]   !! highest power of h^2 in P and R
+   real(dp), parameter :: longest_step = 0.7_dp                        !! h |omega| of the longest single exact step
+
+   !> Constants of a body class (mathematics, sections 2 and 3).
+   type :: body_class
+      real(dp) :: moments(3) = 1          !! as the caller gave them, in the caller's axis order
+      real(dp) :: inverse(3) = 1          !! 1/moment; 0 for a zero moment
+      integer :: order(3) = [1, 2, 3]     !! sorted moment j is moments(order(j))
+      real(dp) :: parity = 1              !! +1 or -1: sign of the permutation
+      real(dp) :: sorted(3) = 1           !! ascending moments / scale
+      real(dp) :: scale = 1               !! power of two near the largest moment
+      real(dp) :: a(3) = 0                !! (I3-I2)/I1, (I3-I1)/I2, (I2-I1)/I3; a(1) = 0 if I1 = 0
+      real(dp) :: theta = 0.5_dp          !! (I3-I2)/(I3-I1); 1/2 for a sphere
+      real(dp) :: k1 = 0.5_dp             !! theta I2/I1; 0 if I1 = 0
+      real(dp) :: k3 = 0.5_dp             !! (1-theta) I2/I3
+      real(dp) :: f1 = 0                  !! (I3-I2)/I3
+      real(dp) :: g1 = 0.5_dp             !! theta I3/I1; 0 if I1 = 0
+      real(dp) :: g3 = 0.5_dp             !! (1-theta) I1/I3
+      real(dp) :: p(0:max_degree, 0:max_degree) = 0 !! series P: coefficient (i,j) of p^i r^j
+      real(dp) :: r(0:max_degree, 0:max_degree) = 0 !! series R
+      real(dp) :: reach(series_levels) = 0 !! largest (h |omega|)^2 for which a level is exact to rounding
+   end type body_class
+
+contains
+
+   !> Work out a body class. POINSOT_E_DOMAIN if the moments are not finite, negative or unphysical.
+   pure subroutine make_class(moments, class, error)
+      real(dp), intent(in) :: moments(3)         !! principal moments, any order, any unit
+      type(body_class), intent(out) :: class     !! constants for the kernels
+      type(poinsot_error), intent(inout) :: error !! which moment is wrong, and why
+      real(dp) :: i1, i2, i3
+
+      call check_moments(moments, error)
+      if (raised(error)) return
+      class%moments = moments
+      class%inverse = 0
+      where (moments > 0) class%inverse = 1/moments
+      call sort(moments, class%order, class%parity)
+      class%scale = scale(1.0_dp, exponent(maxval(moments)) - 1)
+      class%sorted = moments(class%order)/class%scale
+      i1 = class%sorted(1)
+      i2 = class%sorted(2)
+      i3 = class%sorted(3)
+      class%a = [ratio(i3 - i2, i1), ratio(i3 - i1, i2), ratio(i2 - i1, i3)]
+      class%a = min(class%a, 1.0_dp)
+      if (i3 > i1) then
+         class%theta = (i3 - i2)/(i3 - i1)
+         class%k1 = ratio(class%theta, i1)*i2
+         class%k3 = (i2 - i1)/(i3 - i1)*(i2/i3)
+         class%g1 = ratio(class%theta, i1)*i3
+         class%g3 = (i2 - i1)/(i3 - i1)*(i1/i3)
+      end if
+      class%f1 = ratio(i3 - i2, i3)
+      call correction_series(class%a, class%p, class%r)
+      class%reach = reach_of(class)
+   end subroutine make_class
+
+   !> x / y, and 0 for a zero moment y.
+   pure real(dp) function ratio(x, y)
+      real(dp), intent(in) :: x, y
+      ratio = 0
+      if (y > 0) ratio = x/y
+   end function ratio
+
+   !> Ascending order of three moments, ties by index, and the sign of the permutation.
+   pure subroutine sort(x, order, parity)
+      real(dp), intent(in) :: x(3)
+      integer, intent(out) :: order(3)
+      real(dp), intent(out) :: parity
+      order = [1, 2, 3]
+      parity = 1
+      call exchange(x, 1, 2, order, parity)
+      call exchange(x, 2, 3, order, parity)
+      call exchange(x, 1, 2, order, parity)
+   end subroutine sort
+
+   !> Put places i < j of an order right.
+   pure subroutine exchange(x, i, j, order, parity)
+      real(dp), intent(in) :: x(3)
+      integer, intent(in) :: i, j
+      integer, intent(inout) :: order(3)
+      real(dp), intent(inout) :: parity
+      if (x(order(i)) <= x(order(j))) return
+      order([i, j]) = order([j, i])
+      parity = -parity
+   end subroutine exchange
+
+   !> Largest (h |omega|)^2 = s for which the terms left out by each level stay below a quarter of a rounding error.
+   !>
+   !> They are bounded degree by degree by Bernstein coefficients, on p + r <= s, the bound of (h |omega|)^2 over the whole
+   !> motion (reached where omega2 = 0). With z = max(a1 a2, a2 a3)/4, so that X + Z <= z s, an attitude error is at most
+   !> sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8); T is used to one degree less than the others, W_n = (n+1) T_n.
+   pure function reach_of(class) result(reach)
+      type(body_class), intent(in) :: class
+      real(dp) :: reach(series_levels)
+      real(dp) :: bound(max_degree, 2), z
+      integer :: n, level
+
+      z = 0.25_dp*class%a(2)*max(class%a(1), class%a(3))
+      do n = 1, max_degree
+         bound(n, 1) = 0.5_dp*max(degree_bound(class%p, n), degree_bound(class%r, n)) &
+                       + 0.5_dp*z**n*universal_bound(n - 1)
+         bound(n, 2) = 0.125_dp*(n + 1)*z**n*universal_bound(n)
+      end do
+      do level = 1, series_levels
+         reach(level) = largest(bound, level_degree(level))
+      end do
+   end function reach_of
+
+   !> Largest s <= longest_step^2 with sqrt(s) sum_{n > degree} (bound(n,1) + sqrt(s) bound(n,2)) s^n <= allowed, by bisection.
+   pure real(dp) function largest(bound, degree)
+      real(dp), intent(in) :: bound(max_degree, 2)
+      integer, intent(in) :: degree
+      real(dp), parameter :: allowed = 0.25_dp*epsilon(1.0_dp)
+      real(dp) :: low, high, s
+      integer :: i
+      low = 0
+      high = longest_step**2
+      largest = high
+      if (tail(high) <= allowed) return
+      do i = 1, 40
+         s = 0.5_dp*(low + high)
+         if (tail(s) <= allowed) then
+            low = s
+         else
+            high = s
+         end if
+      end do
+      largest = low
+   contains
+      pure real(dp) function tail(s)
+         real(dp), intent(in) :: s
+         integer :: n
+         tail = 0
+         do n = max_degree, degree + 1, -1
+            tail = (tail + bound(n, 1) + sqrt(s)*bound(n, 2))*s
+         end do
+         tail = tail*s**degree*sqrt(s)
+      end function tail
+   end function largest
+
+end module poinsot_body_class

@@ -1,0 +1,140 @@
+!> What a free method is, the registry name <-> method, and one step of a block by any of them.
+!>
+!> A new method is one kernel in a file of its own and one row in `registered`.
+module poinsot_free_method
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_method
+   use poinsot_body_class, only: body_class
+   use poinsot_free_accumulate, only: add_plain, add_compensated, conserve_energy
+   use poinsot_free_exact, only: exact_increment
+   use poinsot_free_jacobi_solution, only: jacobi_increment
+   use poinsot_free_moser_veselov, only: moser_veselov_increment, midpoint_increment
+   use poinsot_free_split_rotations, only: three_rotations_increment, symmetric_rotation_increment
+   implicit none(type, external)
+   private
+   public :: free_method, find_method, method_count, method_name, advance
+
+   abstract interface
+      !> A kernel: the increments of y and q of a block over h. A lane with h = 0 gets zeros; a lane that fails gets a
+      !> status. Written so that a lane's bits depend on that lane alone.
+      pure subroutine increment_kernel(class, terms, h, y, q, dy, dq, status)
+         import :: dp, lanes, body_class
+         type(body_class), intent(in) :: class      !! constants of the body class
+         integer, intent(in) :: terms               !! terms of the preprocessing series, where there is one
+         real(dp), intent(in) :: h(lanes)           !! step of each lane, either sign
+         real(dp), intent(in) :: y(lanes, 3)        !! angular momentum, principal frame, caller's axes
+         real(dp), intent(in) :: q(lanes, 4)        !! attitude, unit quaternion, scalar first
+         real(dp), intent(out) :: dy(lanes, 3)      !! y(h) - y
+         real(dp), intent(out) :: dq(lanes, 4)      !! q(h) - q
+         integer, intent(inout) :: status(lanes)    !! set where a lane fails
+      end subroutine increment_kernel
+   end interface
+
+   integer, parameter :: name_length = 20
+
+   !> A free method: name, order, kernel.
+   type :: free_method
+      character(name_length) :: name = ""
+      integer :: order = 0                         !! order of accuracy; 0: exact
+      integer :: terms = 0                         !! terms of the preprocessing series
+      logical :: conserves_energy = .true.         !! up to rounding
+      procedure(increment_kernel), pointer, nopass :: increment => null()
+      character(64) :: about = ""                  !! one line for people
+   end type free_method
+
+   integer, parameter :: registered_count = 17
+
+contains
+
+   !> The registry, in the order in which people see it.
+   pure function registered() result(methods)
+      type(free_method) :: methods(registered_count)
+      character(2) :: digits
+      integer :: n
+      methods(1) = free_method("exact", 0, 0, .true., exact_increment, &
+                               "explicit exact step; substeps and Jacobi's functions by itself")
+      methods(2) = free_method("jacobi", 0, 0, .true., jacobi_increment, &
+                               "Jacobi's elliptic functions, any step")
+      do n = 0, 11
+         write (digits, "(i0)") 2*n + 2
+         methods(3 + n) = free_method("dmv"//digits, 2*n + 2, n, .true., moser_veselov_increment, &
+                                      "discrete Moser-Veselov map, preprocessed to order "//digits)
+      end do
+      methods(3)%about = "discrete Moser-Veselov map, plain"
+      methods(15) = free_method("midpoint", 2, 0, .true., midpoint_increment, "implicit midpoint rule")
+      methods(16) = free_method("three-rotations", 2, 0, .false., three_rotations_increment, &
+                                "splitting into rotations about the axes, 3-2-1-2-3")
+      methods(17) = free_method("symmetric-rotation", 2, 0, .false., symmetric_rotation_increment, &
+                                "splitting into a symmetric body and a rotation")
+   end function registered
+
+   !> How many methods there are.
+   pure integer function method_count()
+      method_count = registered_count
+   end function method_count
+
+   !> Name of method i, 1 <= i <= method_count(); empty beyond.
+   pure function method_name(i) result(name)
+      integer, intent(in) :: i
+      character(:), allocatable :: name
+      type(free_method) :: methods(registered_count)
+      name = ""
+      if (i < 1 .or. i > registered_count) return
+      methods = registered()
+      name = trim(methods(i)%name)
+   end function method_name
+
+   !> Method by name. POINSOT_E_METHOD for an unknown one, with the list of those there are.
+   pure subroutine find_method(name, method, error)
+      character(*), intent(in) :: name
+      type(free_method), intent(out) :: method
+      type(poinsot_error), intent(inout) :: error
+      type(free_method) :: methods(registered_count)
+      character(:), allocatable :: list
+      integer :: i
+      methods = registered()
+      list = ""
+      do i = 1, registered_count
+         if (methods(i)%name == name) then
+            method = methods(i)
+            return
+         end if
+         list = list//" "//trim(methods(i)%name)
+      end do
+      call raise(error, poinsot_e_method, "unknown method '"//trim(name)//"'; there are:"//list)
+   end subroutine find_method
+
+   !> One step h, either sign, of all lanes of a block. A lane whose status is not POINSOT_OK stands still; a lane that
+   !> fails here gets its status and keeps its state.
+   pure subroutine advance(method, class, h, y, q, status, carry)
+      type(free_method), intent(in) :: method
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h                              !! step
+      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)    !! the state
+      integer, intent(inout) :: status(lanes)
+      real(dp), intent(inout), optional :: carry(lanes, 7)   !! compensated sums, if wanted
+      real(dp) :: hl(lanes), dy(lanes, 3), dq(lanes, 4)
+      integer :: j
+
+      hl = h
+      if (any(status /= poinsot_ok)) hl = merge(h, 0.0_dp, status == poinsot_ok)
+      call method%increment(class, method%terms, hl, y, q, dy, dq, status)
+      if (any(status /= poinsot_ok)) then
+         hl = merge(h, 0.0_dp, status == poinsot_ok)
+         do j = 1, 3
+            dy(:, j) = merge(dy(:, j), 0.0_dp, status == poinsot_ok)
+         end do
+         do j = 1, 4
+            dq(:, j) = merge(dq(:, j), 0.0_dp, status == poinsot_ok)
+         end do
+      end if
+      if (present(carry)) then
+         if (method%conserves_energy) call conserve_energy(class, hl, y, dy)
+         call add_compensated(hl, dy, dq, y, q, carry)
+      else
+         call add_plain(hl, dy, dq, y, q)
+      end if
+   end subroutine advance
+
+end module poinsot_free_method

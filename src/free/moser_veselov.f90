@@ -1,0 +1,234 @@
+!> The discrete Moser-Veselov map, its preprocessing to any even order, and the implicit midpoint rule.
+!>
+!> With modified moments It the step solves e_j = (1 + |e|^2) z_j - kappa_j e_{j+1} e_{j+2}, z = (h/2) It^-1 y, for the Cayley
+!> vector e of the rotation (Vilmart 2013, Algorithm 3; Hairer and Vilmart 2006); the midpoint rule leaves 1 + |e|^2 out.
+!> 1/It = (1 + c)/I with c = (P, theta P + (1 - theta) R, R) (mathematics, section 2). Differences of modified moments are formed
+!> as sums of small terms, so that nearly linear, nearly symmetric and flat bodies lose no digits.
+module poinsot_free_moser_veselov
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
+   use poinsot_body_class, only: body_class
+   use poinsot_free_exact_step, only: step_sizes
+   use poinsot_free_series, only: correction
+   implicit none(type, external)
+   private
+   public :: moser_veselov_increment, midpoint_increment
+
+   real(dp), parameter :: quarter_turn = 1.5707963267948966_dp !! h |omega| beyond which there is no root |e| < 1
+
+   !> Newton sweeps that reach rounding from the predictor: 1, 2, 3, 4, 7, for (h |omega|)^2 up to each of these bounds and
+   !> beyond. With z = h |omega|/2 the predictor is good to z^5, and a sweep squares the error: z^10, z^20, ...
+   real(dp), parameter :: sweep_bound(4) = [0.03_dp**2, 0.25_dp**2, 0.8_dp**2, 1.25_dp**2]
+
+contains
+
+   !> Increments of a step of the Moser-Veselov map with `terms` terms of the preprocessing series: order 2 terms + 2.
+   !> POINSOT_E_STEP for h |omega| > pi/2, POINSOT_E_CONVERGENCE if no root below 90 degrees a step is found.
+   pure subroutine moser_veselov_increment(class, terms, h, y, q, dy, dq, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: terms                           !! 0 (plain) to 11
+      real(dp), intent(in) :: h(lanes)                       !! step, either sign; 0: the lane stands still
+      real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      call cayley_increment(class, terms, 1.0_dp, h, y, q, dy, dq, status)
+   end subroutine moser_veselov_increment
+
+   !> Increments of a step of the implicit midpoint rule for (y, Q): order 2. Vilmart (2013), Remark 4.
+   pure subroutine midpoint_increment(class, terms, h, y, q, dy, dq, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: terms                           !! not used
+      real(dp), intent(in) :: h(lanes)
+      real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      call cayley_increment(class, 0, 0.0_dp, h, y, q, dy, dq, status)
+   end subroutine midpoint_increment
+
+   !> Both maps: `stretch` is the factor of |e|^2 in alpha = 1 + stretch |e|^2.
+   pure subroutine cayley_increment(class, terms, stretch, h, y, q, dy, dq, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: terms
+      real(dp), intent(in) :: stretch, h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      real(dp) :: w(lanes, 3), z(lanes, 3), kappa(lanes, 3), e(lanes, 3)
+      real(dp), dimension(lanes) :: p, r, ps, rs, slip, live
+      logical :: failed(lanes)
+
+      call step_sizes(class, h, y, w, p, r)
+      failed = p + r > quarter_turn**2
+      live = merge(0.0_dp, 1.0_dp, failed)
+      where (failed) status = poinsot_e_step
+      p = p*live
+      r = r*live
+      call correction(terms, class, p, r, ps, rs)
+      call coefficients(class, live, w, ps, rs, z, kappa, slip)
+      call solve(stretch, p + r, z, kappa, e, failed)
+      where (failed .and. status == poinsot_ok) status = poinsot_e_convergence
+      call apply(class, e, slip, y, q, dy, dq)
+   end subroutine cayley_increment
+
+   !> z and kappa of the equation, and slip = 1 - It_2/It_3 for the momentum about the axis of the smallest moment.
+   pure subroutine coefficients(class, live, w, ps, rs, z, kappa, slip)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: live(lanes), w(lanes, 3), ps(lanes), rs(lanes)
+      real(dp), intent(out) :: z(lanes, 3), kappa(lanes, 3), slip(lanes)
+      real(dp) :: one_p, one_r, one_c, d, ratio, i12
+      integer :: l
+      i12 = class%sorted(1)/class%sorted(2)
+      !GCC$ ivdep
+      do l = 1, lanes
+         d = ps(l) - rs(l)
+         one_p = 1 + ps(l)
+         one_r = 1 + rs(l)
+         one_c = one_r + class%theta*d
+         z(l, 1) = 0.5_dp*live(l)*w(l, 1)*one_p
+         z(l, 2) = 0.5_dp*live(l)*w(l, 2)*one_c
+         z(l, 3) = 0.5_dp*live(l)*w(l, 3)*one_r
+         ratio = 1/(one_p*one_r*one_c)
+         kappa(l, 1) = one_p*one_p*ratio*(class%a(1)*one_r + class%g1*d)
+         kappa(l, 2) = -one_c*one_c*ratio*(class%a(2)*one_p + i12*d)
+         kappa(l, 3) = one_r*one_r*ratio*(class%a(3)*one_p + class%g3*d)
+         slip(l) = (class%f1*one_r + class%theta*d)*one_p*one_r*ratio
+      end do
+   end subroutine coefficients
+
+   !> Newton's method with a number of sweeps fixed beforehand by the size of the step: it cannot spin in rounding noise.
+   !> A lane keeps its root once its own sweeps are done. `failed` where the last sweep still moved, or |e| >= 1.
+   pure subroutine solve(stretch, size, z, kappa, e, failed)
+      real(dp), intent(in) :: stretch, size(lanes), z(lanes, 3), kappa(lanes, 3)
+      real(dp), intent(out) :: e(lanes, 3)
+      logical, intent(inout) :: failed(lanes)
+      real(dp) :: moved(lanes), ee, e1, e2, e3
+      integer :: sweeps(lanes), l, k
+      real(dp), parameter :: tolerance = 1e-14_dp !! of the last sweep's move squared; what is left is its square again
+
+      !GCC$ ivdep
+      do l = 1, lanes
+         e1 = z(l, 1) - kappa(l, 1)*z(l, 2)*z(l, 3)
+         e2 = z(l, 2) - kappa(l, 2)*z(l, 3)*z(l, 1)
+         e3 = z(l, 3) - kappa(l, 3)*z(l, 1)*z(l, 2)
+         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), e1, e2, e3)
+         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), e1, e2, e3)
+         e(l, 1) = e1
+         e(l, 2) = e2
+         e(l, 3) = e3
+         moved(l) = 0
+         sweeps(l) = 1 + merge(1, 0, size(l) > sweep_bound(1)) + merge(1, 0, size(l) > sweep_bound(2)) &
+                     + merge(1, 0, size(l) > sweep_bound(3)) + merge(3, 0, size(l) > sweep_bound(4))
+      end do
+      do k = 1, maxval(sweeps)
+         call newton(stretch, z, kappa, sweeps >= k, e, moved)
+      end do
+      do l = 1, lanes
+         ee = e(l, 1)**2 + e(l, 2)**2 + e(l, 3)**2
+         failed(l) = failed(l) .or. ee >= 1 .or. moved(l) > tolerance*ee
+      end do
+   end subroutine solve
+
+   !> One sweep of the fixed-point iteration: gains one power of z.
+   pure subroutine sweep(stretch, z1, z2, z3, k1, k2, k3, e1, e2, e3)
+      real(dp), intent(in) :: stretch, z1, z2, z3, k1, k2, k3
+      real(dp), intent(inout) :: e1, e2, e3
+      real(dp) :: alpha, f1, f2
+      alpha = 1 + stretch*(e1*e1 + e2*e2 + e3*e3)
+      f1 = alpha*z1 - k1*e2*e3
+      f2 = alpha*z2 - k2*e3*e1
+      e3 = alpha*z3 - k3*e1*e2
+      e1 = f1
+      e2 = f2
+   end subroutine sweep
+
+   !> One sweep of Newton's method; `moved` = how far a lane went in its last one, squared.
+   pure subroutine newton(stretch, z, kappa, active, e, moved)
+      real(dp), intent(in) :: stretch, z(lanes, 3), kappa(lanes, 3)
+      logical, intent(in) :: active(lanes)
+      real(dp), intent(inout) :: e(lanes, 3), moved(lanes)
+      real(dp) :: f1, f2, f3, al, z1, z2, z3, k1, k2, k3, e1, e2, e3, d1, d2, d3
+      real(dp) :: m11, m12, m13, m21, m22, m23, m31, m32, m33, c11, c12, c13, det, two
+      integer :: l
+      two = 2*stretch
+      !GCC$ ivdep
+      do l = 1, lanes
+         e1 = e(l, 1)
+         e2 = e(l, 2)
+         e3 = e(l, 3)
+         z1 = z(l, 1)
+         z2 = z(l, 2)
+         z3 = z(l, 3)
+         k1 = kappa(l, 1)
+         k2 = kappa(l, 2)
+         k3 = kappa(l, 3)
+         al = 1 + stretch*(e1*e1 + e2*e2 + e3*e3)
+         f1 = al*z1 - k1*e2*e3 - e1
+         f2 = al*z2 - k2*e3*e1 - e2
+         f3 = al*z3 - k3*e1*e2 - e3
+         m11 = 1 - two*z1*e1
+         m12 = k1*e3 - two*z1*e2
+         m13 = k1*e2 - two*z1*e3
+         m21 = k2*e3 - two*z2*e1
+         m22 = 1 - two*z2*e2
+         m23 = k2*e1 - two*z2*e3
+         m31 = k3*e2 - two*z3*e1
+         m32 = k3*e1 - two*z3*e2
+         m33 = 1 - two*z3*e3
+         c11 = m22*m33 - m23*m32
+         c12 = m23*m31 - m21*m33
+         c13 = m21*m32 - m22*m31
+         det = m11*c11 + m12*c12 + m13*c13
+         det = merge(1.0_dp, 0.0_dp, active(l))/merge(det, 1.0_dp, abs(det) > 1e-3_dp)
+         d1 = det*(c11*f1 + (m13*m32 - m12*m33)*f2 + (m12*m23 - m13*m22)*f3)
+         d2 = det*(c12*f1 + (m11*m33 - m13*m31)*f2 + (m13*m21 - m11*m23)*f3)
+         d3 = det*(c13*f1 + (m12*m31 - m11*m32)*f2 + (m11*m22 - m12*m21)*f3)
+         e(l, 1) = e1 + d1
+         e(l, 2) = e2 + d2
+         e(l, 3) = e3 + d3
+         moved(l) = merge(d1*d1 + d2*d2 + d3*d3, moved(l), active(l))
+      end do
+   end subroutine newton
+
+   !> Increments from the Cayley vector: y' = R(rho)^T y and q' = q o rho, rho = (1, e)/sqrt(1 + |e|^2); the momentum about
+   !> the axis of the smallest moment by its own small increment.
+   pure subroutine apply(class, e, slip, y, q, dy, dq)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: e(lanes, 3), slip(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      real(dp) :: e1, e2, e3, y1, y2, y3, u1, u2, u3, d2, d3, ee, k, root, half, r0, r1, r2, r3, parity
+      integer :: l, i1, i2, i3
+      i1 = class%order(1)
+      i2 = class%order(2)
+      i3 = class%order(3)
+      parity = class%parity
+      !GCC$ ivdep
+      do l = 1, lanes
+         e1 = e(l, 1)
+         e2 = e(l, 2)
+         e3 = e(l, 3)
+         ee = e1*e1 + e2*e2 + e3*e3
+         k = 2/(1 + ee)
+         y1 = parity*y(l, i1)
+         y2 = parity*y(l, i2)
+         y3 = parity*y(l, i3)
+         u1 = k*((e2*y3 - e3*y2) - y1)
+         u2 = k*((e3*y1 - e1*y3) - y2)
+         u3 = k*((e1*y2 - e2*y1) - y3)
+         d2 = e3*u1 - e1*u3
+         d3 = e1*u2 - e2*u1
+         dy(l, i1) = -parity*(e2*slip(l)*(2*y3 + d3))
+         dy(l, i2) = parity*d2
+         dy(l, i3) = parity*d3
+         root = sqrt(1 + ee)
+         half = 1/root
+         r0 = -ee*half/(1 + root)
+         r1 = parity*e1*half
+         r2 = parity*e2*half
+         r3 = parity*e3*half
+         dq(l, 1) = q(l, 1)*r0 - q(l, 1 + i1)*r1 - q(l, 1 + i2)*r2 - q(l, 1 + i3)*r3
+         dq(l, 1 + i1) = q(l, 1 + i1)*r0 + q(l, 1)*r1 + parity*(q(l, 1 + i2)*r3 - q(l, 1 + i3)*r2)
+         dq(l, 1 + i2) = q(l, 1 + i2)*r0 + q(l, 1)*r2 + parity*(q(l, 1 + i3)*r1 - q(l, 1 + i1)*r3)
+         dq(l, 1 + i3) = q(l, 1 + i3)*r0 + q(l, 1)*r3 + parity*(q(l, 1 + i1)*r2 - q(l, 1 + i2)*r1)
+      end do
+   end subroutine apply
+
+end module poinsot_free_moser_veselov

@@ -1,0 +1,296 @@
+!> The series of a block of bodies of one class: P and R to any degree from 1 to 11 (orders 4 to 24), and the universal
+!> T and W of the exact step.
+!>
+!> Written out, one loop a degree, because only straight code keeps a bivariate Horner scheme in vector registers.
+module poinsot_free_series
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_body_class, only: body_class
+   use poinsot_body_series, only: max_degree
+   use poinsot_body_universal, only: sine_squared
+   implicit none(type, external)
+   private
+   public :: correction, universal, highest_degree
+
+   integer, parameter :: highest_degree = 11 !! of P and R that a method can ask for: order 24
+
+   integer, parameter :: half = ubound(sine_squared, 2)
+   integer :: i, j !! of the table below only
+   !> W = sum (i + 2j + 1) t(i,j) e^i f^j.
+   real(dp), parameter :: product_table(0:max_degree, 0:half) = &
+      reshape([((i + 2*j + 1, i=0, max_degree), j=0, half)], shape(sine_squared)) &
+      *sine_squared
+
+contains
+
+   !> P(p, r) and R(p, r) to a given degree in h^2, lane by lane. Mathematics, sections 2 and 3.
+   pure subroutine correction(degree, class, p, r, ps, rs)
+      integer, intent(in) :: degree                  !! 0 (none) to 11
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: p(lanes), r(lanes)     !! h^2 p2 and h^2 r2, constants of the motion
+      real(dp), intent(out) :: ps(lanes), rs(lanes)  !! P and R
+      call polynomial(degree, class%p, p, r, ps)
+      call polynomial(degree, class%r, p, r, rs)
+   end subroutine correction
+
+   !> One bivariate polynomial without constant term: rows are Horner schemes in x, nested in powers of y.
+   pure subroutine polynomial(degree, c, x, y, f)
+      integer, intent(in) :: degree
+      real(dp), intent(in) :: c(0:max_degree, 0:max_degree), x(lanes), y(lanes)
+      real(dp), intent(out) :: f(lanes)
+      integer :: l
+      select case (degree)
+      case (1)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 1)
+            f(l) = f(l)*y(l) + h1(c(0, 0), x(l))
+         end do
+      case (2)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 2)
+            f(l) = f(l)*y(l) + h1(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 0), x(l))
+         end do
+      case (3)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 3)
+            f(l) = f(l)*y(l) + h1(c(0, 2), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h3(c(0, 0), x(l))
+         end do
+      case (4)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 4)
+            f(l) = f(l)*y(l) + h1(c(0, 3), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 2), x(l))
+            f(l) = f(l)*y(l) + h3(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h4(c(0, 0), x(l))
+         end do
+      case (5)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 5)
+            f(l) = f(l)*y(l) + h1(c(0, 4), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 3), x(l))
+            f(l) = f(l)*y(l) + h3(c(0, 2), x(l))
+            f(l) = f(l)*y(l) + h4(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h5(c(0, 0), x(l))
+         end do
+      case (6)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 6)
+            f(l) = f(l)*y(l) + h1(c(0, 5), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 4), x(l))
+            f(l) = f(l)*y(l) + h3(c(0, 3), x(l))
+            f(l) = f(l)*y(l) + h4(c(0, 2), x(l))
+            f(l) = f(l)*y(l) + h5(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h6(c(0, 0), x(l))
+         end do
+      case (7)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 7)
+            f(l) = f(l)*y(l) + h1(c(0, 6), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 5), x(l))
+            f(l) = f(l)*y(l) + h3(c(0, 4), x(l))
+            f(l) = f(l)*y(l) + h4(c(0, 3), x(l))
+            f(l) = f(l)*y(l) + h5(c(0, 2), x(l))
+            f(l) = f(l)*y(l) + h6(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h7(c(0, 0), x(l))
+         end do
+      case (8)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 8)
+            f(l) = f(l)*y(l) + h1(c(0, 7), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 6), x(l))
+            f(l) = f(l)*y(l) + h3(c(0, 5), x(l))
+            f(l) = f(l)*y(l) + h4(c(0, 4), x(l))
+            f(l) = f(l)*y(l) + h5(c(0, 3), x(l))
+            f(l) = f(l)*y(l) + h6(c(0, 2), x(l))
+            f(l) = f(l)*y(l) + h7(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h8(c(0, 0), x(l))
+         end do
+      case (9)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 9)
+            f(l) = f(l)*y(l) + h1(c(0, 8), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 7), x(l))
+            f(l) = f(l)*y(l) + h3(c(0, 6), x(l))
+            f(l) = f(l)*y(l) + h4(c(0, 5), x(l))
+            f(l) = f(l)*y(l) + h5(c(0, 4), x(l))
+            f(l) = f(l)*y(l) + h6(c(0, 3), x(l))
+            f(l) = f(l)*y(l) + h7(c(0, 2), x(l))
+            f(l) = f(l)*y(l) + h8(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h9(c(0, 0), x(l))
+         end do
+      case (10)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 10)
+            f(l) = f(l)*y(l) + h1(c(0, 9), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 8), x(l))
+            f(l) = f(l)*y(l) + h3(c(0, 7), x(l))
+            f(l) = f(l)*y(l) + h4(c(0, 6), x(l))
+            f(l) = f(l)*y(l) + h5(c(0, 5), x(l))
+            f(l) = f(l)*y(l) + h6(c(0, 4), x(l))
+            f(l) = f(l)*y(l) + h7(c(0, 3), x(l))
+            f(l) = f(l)*y(l) + h8(c(0, 2), x(l))
+            f(l) = f(l)*y(l) + h9(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h10(c(0, 0), x(l))
+         end do
+      case (11)
+         !GCC$ ivdep
+         do l = 1, lanes
+            f(l) = c(0, 11)
+            f(l) = f(l)*y(l) + h1(c(0, 10), x(l))
+            f(l) = f(l)*y(l) + h2(c(0, 9), x(l))
+            f(l) = f(l)*y(l) + h3(c(0, 8), x(l))
+            f(l) = f(l)*y(l) + h4(c(0, 7), x(l))
+            f(l) = f(l)*y(l) + h5(c(0, 6), x(l))
+            f(l) = f(l)*y(l) + h6(c(0, 5), x(l))
+            f(l) = f(l)*y(l) + h7(c(0, 4), x(l))
+            f(l) = f(l)*y(l) + h8(c(0, 3), x(l))
+            f(l) = f(l)*y(l) + h9(c(0, 2), x(l))
+            f(l) = f(l)*y(l) + h10(c(0, 1), x(l))
+            f(l) = f(l)*y(l) + h11(c(0, 0), x(l))
+         end do
+      case default
+         f = 0
+      end select
+   end subroutine polynomial
+
+   !> T to degree n - 1 and W to degree n, n = 4, 6, 8 or 10, of e = X + Z and f = X Z. See poinsot_body_universal.
+   pure subroutine universal(degree, e, f, t, w)
+      integer, intent(in) :: degree                 !! n
+      real(dp), intent(in) :: e(lanes), f(lanes)    !! arguments
+      real(dp), intent(out) :: t(lanes), w(lanes)   !! S^2 and S C D
+      call symmetric_polynomials(degree, sine_squared, product_table, e, f, t, w)
+   end subroutine universal
+
+   !> a to degree n - 1 and b to degree n, e of degree 1 and f of degree 2: rows nested in powers of f.
+   pure subroutine symmetric_polynomials(degree, a, b, e, f, t, w)
+      integer, intent(in) :: degree
+      real(dp), intent(in), dimension(0:max_degree, 0:half) :: a, b
+      real(dp), intent(in) :: e(lanes), f(lanes)
+      real(dp), intent(out) :: t(lanes), w(lanes)
+      integer :: l
+      select case (degree)
+      case (4)
+         !GCC$ ivdep
+         do l = 1, lanes
+            t(l) = h1(a(0, 1), e(l))
+            t(l) = t(l)*f(l) + h3(a(0, 0), e(l))
+            w(l) = b(0, 2)
+            w(l) = w(l)*f(l) + h2(b(0, 1), e(l))
+            w(l) = w(l)*f(l) + h4(b(0, 0), e(l))
+         end do
+      case (6)
+         !GCC$ ivdep
+         do l = 1, lanes
+            t(l) = h1(a(0, 2), e(l))
+            t(l) = t(l)*f(l) + h3(a(0, 1), e(l))
+            t(l) = t(l)*f(l) + h5(a(0, 0), e(l))
+            w(l) = b(0, 3)
+            w(l) = w(l)*f(l) + h2(b(0, 2), e(l))
+            w(l) = w(l)*f(l) + h4(b(0, 1), e(l))
+            w(l) = w(l)*f(l) + h6(b(0, 0), e(l))
+         end do
+      case (8)
+         !GCC$ ivdep
+         do l = 1, lanes
+            t(l) = h1(a(0, 3), e(l))
+            t(l) = t(l)*f(l) + h3(a(0, 2), e(l))
+            t(l) = t(l)*f(l) + h5(a(0, 1), e(l))
+            t(l) = t(l)*f(l) + h7(a(0, 0), e(l))
+            w(l) = b(0, 4)
+            w(l) = w(l)*f(l) + h2(b(0, 3), e(l))
+            w(l) = w(l)*f(l) + h4(b(0, 2), e(l))
+            w(l) = w(l)*f(l) + h6(b(0, 1), e(l))
+            w(l) = w(l)*f(l) + h8(b(0, 0), e(l))
+         end do
+      case (10)
+         !GCC$ ivdep
+         do l = 1, lanes
+            t(l) = h1(a(0, 4), e(l))
+            t(l) = t(l)*f(l) + h3(a(0, 3), e(l))
+            t(l) = t(l)*f(l) + h5(a(0, 2), e(l))
+            t(l) = t(l)*f(l) + h7(a(0, 1), e(l))
+            t(l) = t(l)*f(l) + h9(a(0, 0), e(l))
+            w(l) = b(0, 5)
+            w(l) = w(l)*f(l) + h2(b(0, 4), e(l))
+            w(l) = w(l)*f(l) + h4(b(0, 3), e(l))
+            w(l) = w(l)*f(l) + h6(b(0, 2), e(l))
+            w(l) = w(l)*f(l) + h8(b(0, 1), e(l))
+            w(l) = w(l)*f(l) + h10(b(0, 0), e(l))
+         end do
+      end select
+   end subroutine symmetric_polynomials
+
+   ! h1 to h11: Horner in x.
+
+   pure real(dp) function h1(c, x)
+      real(dp), intent(in) :: c(0:1), x
+      h1 = c(1)*x + c(0)
+   end function h1
+
+   pure real(dp) function h2(c, x)
+      real(dp), intent(in) :: c(0:2), x
+      h2 = (c(2)*x + c(1))*x + c(0)
+   end function h2
+
+   pure real(dp) function h3(c, x)
+      real(dp), intent(in) :: c(0:3), x
+      h3 = ((c(3)*x + c(2))*x + c(1))*x + c(0)
+   end function h3
+
+   pure real(dp) function h4(c, x)
+      real(dp), intent(in) :: c(0:4), x
+      h4 = (((c(4)*x + c(3))*x + c(2))*x + c(1))*x + c(0)
+   end function h4
+
+   pure real(dp) function h5(c, x)
+      real(dp), intent(in) :: c(0:5), x
+      h5 = ((((c(5)*x + c(4))*x + c(3))*x + c(2))*x + c(1))*x + c(0)
+   end function h5
+
+   pure real(dp) function h6(c, x)
+      real(dp), intent(in) :: c(0:6), x
+      h6 = (((((c(6)*x + c(5))*x + c(4))*x + c(3))*x + c(2))*x + c(1))*x + c(0)
+   end function h6
+
+   pure real(dp) function h7(c, x)
+      real(dp), intent(in) :: c(0:7), x
+      h7 = ((((((c(7)*x + c(6))*x + c(5))*x + c(4))*x + c(3))*x + c(2))*x + c(1))*x + c(0)
+   end function h7
+
+   pure real(dp) function h8(c, x)
+      real(dp), intent(in) :: c(0:8), x
+      h8 = (((((((c(8)*x + c(7))*x + c(6))*x + c(5))*x + c(4))*x + c(3))*x + c(2))*x &
+            + c(1))*x + c(0)
+   end function h8
+
+   pure real(dp) function h9(c, x)
+      real(dp), intent(in) :: c(0:9), x
+      h9 = ((((((((c(9)*x + c(8))*x + c(7))*x + c(6))*x + c(5))*x + c(4))*x + c(3))*x &
+            + c(2))*x + c(1))*x + c(0)
+   end function h9
+
+   pure real(dp) function h10(c, x)
+      real(dp), intent(in) :: c(0:10), x
+      h10 = (((((((((c(10)*x + c(9))*x + c(8))*x + c(7))*x + c(6))*x + c(5))*x + c(4))*x &
+            + c(3))*x + c(2))*x + c(1))*x + c(0)
+   end function h10
+
+   pure real(dp) function h11(c, x)
+      real(dp), intent(in) :: c(0:11), x
+      h11 = ((((((((((c(11)*x + c(10))*x + c(9))*x + c(8))*x + c(7))*x + c(6))*x &
+            + c(5))*x + c(4))*x + c(3))*x + c(2))*x + c(1))*x + c(0)
+   end function h11
+
+end module poinsot_free_series

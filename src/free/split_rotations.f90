@@ -1,0 +1,156 @@
+!> The two splittings of the free body into flows that are plain rotations.
+!>
+!> `three-rotations`: R3(h/2) R2(h/2) R1(h) R2(h/2) R3(h/2), R_j the flow of y_j^2/(2 I_j). `symmetric-rotation`: R(h/2) S(h) R(h/2), S a
+!> symmetric body, R what is left; the pair of axes with the smallest |1/Ia - 1/Ib| is the symmetric one, so that the
+!> method is exact for any two equal moments. Vilmart (2013), Algorithm 2 with the corrections of mathematics, section 1.
+module poinsot_free_split_rotations
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_status, only: poinsot_e_step
+   use poinsot_body_class, only: body_class
+   use poinsot_elliptic_elementary, only: sincos_block
+   use poinsot_free_exact_step, only: step_sizes
+   implicit none(type, external)
+   private
+   public :: three_rotations_increment, symmetric_rotation_increment
+
+   real(dp), parameter :: quarter_turn = 1.5707963267948966_dp
+
+contains
+
+   !> Increments of a step of the three-rotations splitting: order 2. POINSOT_E_STEP for h |omega| > pi/2.
+   pure subroutine three_rotations_increment(class, terms, h, y, q, dy, dq, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: terms                         !! not used
+      real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      integer, parameter :: axis(5) = [3, 2, 1, 2, 3]
+      real(dp), parameter :: part(5) = [0.5_dp, 0.5_dp, 1.0_dp, 0.5_dp, 0.5_dp]
+      real(dp) :: hl(lanes), half(lanes)
+      integer :: k, j
+
+      hl = h
+      call refuse_long_steps(class, y, hl, status)
+      dy = 0
+      dq = 0
+      do k = 1, size(axis)
+         j = axis(k)
+         half = (0.5_dp*part(k))*((y(:, j) + dy(:, j))*class%inverse(j)*hl)
+         call turn_about(j, half, y, q, dy, dq)
+      end do
+   end subroutine three_rotations_increment
+
+   !> Increments of a step of the symmetric + rotation splitting: order 2. POINSOT_E_STEP for h |omega| > pi/2.
+   pure subroutine symmetric_rotation_increment(class, terms, h, y, q, dy, dq, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: terms                         !! not used
+      real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      real(dp) :: hl(lanes), half(lanes), rest, beta
+      integer :: a, b, c
+
+      hl = h
+      call refuse_long_steps(class, y, hl, status)
+      dy = 0
+      dq = 0
+      call symmetric_pair(class%inverse, a, b, c)
+      rest = 0.25_dp*(class%inverse(a) - class%inverse(b))
+      beta = 0.5_dp*(class%inverse(c) - class%inverse(b))
+      half = rest*(y(:, a) + dy(:, a))*hl
+      call turn_about(a, half, y, q, dy, dq)
+      call turn_along_momentum(class%inverse(b), hl, y, q, dy, dq)
+      half = beta*(y(:, c) + dy(:, c))*hl
+      call turn_about(c, half, y, q, dy, dq)
+      half = rest*(y(:, a) + dy(:, a))*hl
+      call turn_about(a, half, y, q, dy, dq)
+   end subroutine symmetric_rotation_increment
+
+   !> Cyclic axes (a, b, c) with the smallest |1/Ia - 1/Ib|; ties go to the pair with the smallest index of a first.
+   pure subroutine symmetric_pair(inverse, a, b, c)
+      real(dp), intent(in) :: inverse(3)
+      integer, intent(out) :: a, b, c
+      integer :: j
+      a = 1
+      do j = 2, 3
+         if (abs(inverse(j) - inverse(1 + mod(j, 3))) < abs(inverse(a) - inverse(1 + mod(a, 3)))) a = j
+      end do
+      b = 1 + mod(a, 3)
+      c = 1 + mod(b, 3)
+   end subroutine symmetric_pair
+
+   !> Set h = 0 and POINSOT_E_STEP where h |omega| > pi/2.
+   pure subroutine refuse_long_steps(class, y, h, status)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: y(lanes, 3)
+      real(dp), intent(inout) :: h(lanes)
+      integer, intent(inout) :: status(lanes)
+      real(dp) :: w(lanes, 3), p(lanes), r(lanes)
+      call step_sizes(class, h, y, w, p, r)
+      where (p + r > quarter_turn**2)
+         status = poinsot_e_step
+         h = 0
+      end where
+   end subroutine refuse_long_steps
+
+   !> Turn y + dy and q + dq about body axis j by twice the angle `half`: y clockwise, q counter-clockwise.
+   pure subroutine turn_about(j, half, y, q, dy, dq)
+      integer, intent(in) :: j
+      real(dp), intent(in) :: half(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(inout) :: dy(lanes, 3), dq(lanes, 4)
+      real(dp) :: s(lanes), c(lanes), e, f, ya, yb, q0, qj, qa, qb
+      integer :: l, a, b
+      a = 1 + mod(j, 3)
+      b = 1 + mod(a, 3)
+      call sincos_block(half, s, c)
+      !GCC$ ivdep
+      do l = 1, lanes
+         e = 2*s(l)*s(l)
+         f = 2*s(l)*c(l)
+         ya = y(l, a) + dy(l, a)
+         yb = y(l, b) + dy(l, b)
+         dy(l, a) = dy(l, a) + (f*yb - e*ya)
+         dy(l, b) = dy(l, b) - (f*ya + e*yb)
+         e = -(s(l)*s(l))/(1 + c(l))
+         q0 = q(l, 1) + dq(l, 1)
+         qj = q(l, 1 + j) + dq(l, 1 + j)
+         qa = q(l, 1 + a) + dq(l, 1 + a)
+         qb = q(l, 1 + b) + dq(l, 1 + b)
+         dq(l, 1) = dq(l, 1) + (e*q0 - s(l)*qj)
+         dq(l, 1 + j) = dq(l, 1 + j) + (e*qj + s(l)*q0)
+         dq(l, 1 + a) = dq(l, 1 + a) + (e*qa + s(l)*qb)
+         dq(l, 1 + b) = dq(l, 1 + b) + (e*qb - s(l)*qa)
+      end do
+   end subroutine turn_about
+
+   !> Turn q + dq by the rotation vector h (y + dy)/I: the free flow of a spherical body.
+   pure subroutine turn_along_momentum(inverse, h, y, q, dy, dq)
+      real(dp), intent(in) :: inverse, h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(in) :: dy(lanes, 3)
+      real(dp), intent(inout) :: dq(lanes, 4)
+      real(dp) :: half(lanes), s(lanes), c(lanes), v(lanes, 3), e, f, q0, q1, q2, q3
+      integer :: l
+      !GCC$ ivdep
+      do l = 1, lanes
+         v(l, 1) = 0.5_dp*((y(l, 1) + dy(l, 1))*inverse*h(l))
+         v(l, 2) = 0.5_dp*((y(l, 2) + dy(l, 2))*inverse*h(l))
+         v(l, 3) = 0.5_dp*((y(l, 3) + dy(l, 3))*inverse*h(l))
+         half(l) = sqrt(v(l, 1)**2 + v(l, 2)**2 + v(l, 3)**2)
+      end do
+      call sincos_block(half, s, c)
+      !GCC$ ivdep
+      do l = 1, lanes
+         f = merge(s(l), 1.0_dp, half(l) > 0)/merge(half(l), 1.0_dp, half(l) > 0)
+         e = -(s(l)*s(l))/(1 + c(l))
+         q0 = q(l, 1) + dq(l, 1)
+         q1 = q(l, 2) + dq(l, 2)
+         q2 = q(l, 3) + dq(l, 3)
+         q3 = q(l, 4) + dq(l, 4)
+         dq(l, 1) = dq(l, 1) + (e*q0 - f*(v(l, 1)*q1 + v(l, 2)*q2 + v(l, 3)*q3))
+         dq(l, 2) = dq(l, 2) + (e*q1 + f*(q0*v(l, 1) + q2*v(l, 3) - q3*v(l, 2)))
+         dq(l, 3) = dq(l, 3) + (e*q2 + f*(q0*v(l, 2) + q3*v(l, 1) - q1*v(l, 3)))
+         dq(l, 4) = dq(l, 4) + (e*q3 + f*(q0*v(l, 3) + q1*v(l, 2) - q2*v(l, 1)))
+      end do
+   end subroutine turn_along_momentum
+
+end module poinsot_free_split_rotations
