@@ -4,15 +4,16 @@ module poinsot_scene_build
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_nearest, only: nearest_name
-   use poinsot_effect_settings, only: effect_info
+   use poinsot_effect_settings, only: effect_info, setting
    use poinsot_scene_text, only: text_of, quoted
-   use poinsot_scene_source, only: scene_source, scene_group, find_group, refuse
-   use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
+   use poinsot_scene_source, only: scene_source, find_group, refuse
+   use poinsot_scene_settings, only: scene_settings, body_total
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_names, only: effect_table, method_list, splitting_list, is_exact_method
    use poinsot_scene_typed_group, only: typed_group, meet, given, number_of, numbers_of, word_of, &
       integer_of, complain
    use poinsot_scene_bodies, only: build_bodies
+   use poinsot_scene_effects, only: build_effects
    use poinsot_scene_schedule, only: step_total, output_count
    implicit none(type, external)
    private
@@ -36,7 +37,7 @@ contains
       call check_groups(source, effects, error)
       if (.not. raised(error)) call build_run(source, scene, error)
       if (.not. raised(error)) call build_all_bodies(source, scene, error)
-      if (.not. raised(error)) call build_effects(source, effects, scene, error)
+      if (.not. raised(error)) call build_effects(source, scene, error)
       if (.not. raised(error)) call build_output(source, scene, error)
       if (.not. raised(error)) call check_run(source, scene, error)
    end subroutine build_scene
@@ -162,30 +163,6 @@ contains
       end do
    end subroutine build_all_bodies
 
-   !> All effect groups.
-   subroutine build_effects(source, effects, scene, error)
-      type(scene_source), intent(in) :: source
-      type(effect_info), intent(in) :: effects(:)
-      type(scene_settings), intent(inout) :: scene
-      type(poinsot_error), intent(inout) :: error
-      type(effect_setting), allocatable :: found(:)
-      type(typed_group) :: group
-      integer :: i, k, n
-      allocate (found(size(effects)))
-      n = 0
-      do i = 1, size(effects)
-         k = find_group(source, trim(effects(i)%name))
-         if (k == 0) cycle
-         call meet(source%file, source%groups(k), effects(i), group, error)
-         if (raised(error)) return
-         n = n + 1
-         found(n)%name = group%name
-         found(n)%line = group%line
-         found(n)%settings = group%settings
-      end do
-      scene%effects = found(:n)
-   end subroutine build_effects
-
    !> &output
    subroutine build_output(source, scene, error)
       type(scene_source), intent(in) :: source
@@ -216,7 +193,54 @@ contains
       end if
       call build_times(group, scene, error)
       if (.not. raised(error)) call build_choice(group, scene, error)
+      if (.not. raised(error)) call build_pictures(group, scene, error)
    end subroutine build_output
+
+   !> Which pictures, and of what.
+   subroutine build_pictures(group, scene, error)
+      type(typed_group), intent(in) :: group
+      type(scene_settings), intent(inout) :: scene
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: axis(:), centre(:)
+      integer :: i
+      call numbers_of(group, "axis", axis)
+      scene%output%rate = number_of(group, "rate")
+      allocate (centre(0))
+      do i = 1, size(scene%effects)
+         if (scene%effects(i)%name /= "gravity") cycle
+         call get_setting(scene%effects(i)%settings, "centre", centre)
+         if (scene%output%pictures == "auto") scene%output%pictures = "top"
+      end do
+      if (scene%output%pictures == "auto") scene%output%pictures = "body"
+      if (scene%output%pictures == "body" .and. written(scene) > 20) &
+         scene%output%pictures = "ensemble"
+      if (size(axis) == 0) axis = centre
+      if (size(axis) == 0) axis = scene%output%axis
+      if (maxval(abs(axis)) <= 0) then
+         call complain(group, "axis", "is zero; a direction is needed", error)
+         return
+      end if
+      axis = axis/maxval(abs(axis))
+      scene%output%axis = axis/norm2(axis)
+   end subroutine build_pictures
+
+   !> How many bodies are written.
+   pure integer(i8) function written(scene)
+      type(scene_settings), intent(in) :: scene
+      written = size(scene%output%bodies)
+      if (written == 0) written = body_total(scene)
+   end function written
+
+   !> The numbers of a key in a list of settings; untouched if it is not there.
+   pure subroutine get_setting(settings, key, values)
+      type(setting), intent(in) :: settings(:)
+      character(*), intent(in) :: key
+      real(dp), allocatable, intent(inout) :: values(:)
+      integer :: i
+      do i = 1, size(settings)
+         if (settings(i)%key == key .and. allocated(settings(i)%values)) values = settings(i)%values
+      end do
+   end subroutine get_setting
 
    !> every, or times.
    subroutine build_times(group, scene, error)

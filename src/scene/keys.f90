@@ -56,7 +56,9 @@ contains
          number_key("bodies", 1, -1, "", "integer", "numbers of the bodies written, from 1; default all"), &
          text_key("format", "csv", "csv extxyz csv+extxyz", "trajectory.csv, trajectory.xyz (OVITO), or both"), &
          text_key("restart", "restart.txt", "", "name of the restart file in the output folder; '' = none"), &
-         text_key("pictures", "auto", "auto none body top ensemble", "which pictures are drawn from trajectory.csv")]
+         text_key("pictures", "auto", "auto none body top angle ensemble", "what is drawn from trajectory.csv"), &
+         number_key("axis", 3, 3, "", "direction", "body axis that top and angle follow; default 3 or the top's own"), &
+         number_key("rate", 1, 1, "0", "radians per time", "the frame that angle is seen from turns about z so fast")]
    end subroutine output_keys
 
 end module poinsot_scene_keys

@@ -39,6 +39,7 @@ contains
       type(out_file) :: file
       integer(i8) :: total
       integer :: i
+      character(16) :: last
       call open_out(path, file, error)
       if (raised(error)) return
       call put(file, magic // " " // text_of(version), error)
@@ -55,7 +56,8 @@ contains
          call add_to_sum(total, [state%y(:, i), state%q(:, i), state%carry(:, i)])
          if (raised(error)) exit
       end do
-      call put(file, "end " // hex([transfer(total, 0.0_dp)]), error)
+      write (last, "(z16.16)") total
+      call put(file, "end " // last, error)
       call finish_out(file, error)
    end subroutine write_restart
 
@@ -223,7 +225,8 @@ contains
       type(poinsot_error), intent(inout) :: error
       character(17*numbers_of_body + 8) :: text
       character(:), allocatable :: word
-      real(dp) :: values(numbers_of_body), told(1)
+      character(16) :: told
+      real(dp) :: values(numbers_of_body)
       integer(i8) :: total
       integer :: i, code, line
       logical :: good
@@ -254,9 +257,8 @@ contains
       line = 8 + n
       call next(unit, path, "end", line, word, error)
       if (raised(error)) return
-      call from_hex(word, told, good)
-      if (good) good = transfer(told(1), 0_i8) == total
-      if (.not. good) call bad(path, line, "the sum at the end is not that of the numbers: " // &
+      write (told, "(z16.16)") total
+      if (word /= told) call bad(path, line, "the sum at the end is not that of the numbers: " // &
                                "the file was changed or damaged", error)
    end subroutine read_bodies
 
