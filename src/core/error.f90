@@ -1,4 +1,5 @@
-!> How a procedure says no: a status value, and a sentence that names what, where and what would be right.
+!> How a procedure says no: a status value, and a sentence that names what, where and what would
+!> be right.
 module poinsot_core_error
    use poinsot_core_status, only: poinsot_ok, status_text
    implicit none(type, external)

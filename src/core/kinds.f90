@@ -11,7 +11,8 @@ module poinsot_core_kinds
    integer, parameter :: i4 = int32
    integer, parameter :: i8 = int64
 
-   !> Bodies in a block. A kernel always works on all of them: there is no remainder loop, so a body's bits do
-   !> not depend on its place. Four 512-bit vectors in flight; 32 (y, q) pairs are 1.8 kB of the first-level cache.
+   !> Bodies in a block. A kernel always works on all of them: there is no remainder loop, so
+   !> a body's bits do not depend on its place. Four 512-bit vectors in flight; 32 (y, q) pairs are
+   !> 1.8 kB of the first-level cache.
    integer, parameter :: lanes = 32
 end module poinsot_core_kinds

@@ -1,10 +1,11 @@
-!> The one list of status values: code and text together. C sees the same numbers (include/poinsot.h).
+!> The one list of status values: code and text together. C sees the same numbers
+!> (include/poinsot.h).
 module poinsot_core_status
    implicit none(type, external)
    private
-   public :: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method, poinsot_e_step
-   public :: poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, poinsot_e_partial, poinsot_e_io
-   public :: poinsot_e_scene, poinsot_e_cpu
+   public :: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method
+   public :: poinsot_e_step, poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback
+   public :: poinsot_e_partial, poinsot_e_io, poinsot_e_scene, poinsot_e_cpu
    public :: status_text
 
    integer, parameter :: poinsot_ok = 0

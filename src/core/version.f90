@@ -5,6 +5,8 @@ module poinsot_core_version
    public :: version_number, version_text
 
    integer, parameter :: major = 0, minor = 1, patch = 0
-   integer, parameter :: version_number = 10000*major + 100*minor + patch !! as poinsot_version() answers
-   character(*), parameter :: version_text = "0.1.0"                      !! the same, as people write it
+   !> As poinsot_version() answers.
+   integer, parameter :: version_number = 10000*major + 100*minor + patch
+   !> The same, as people write it.
+   character(*), parameter :: version_text = "0.1.0"
 end module poinsot_core_version

@@ -45,7 +45,8 @@ contains
       call cayley_increment(class, 0, 0.0_dp, h, y, q, dy, dq, status)
    end subroutine midpoint_increment
 
-   !> Both maps: `stretch` is the factor of |e|^2 in alpha = 1 + stretch |e|^2.
+   !> Both maps: `stretch` is the factor of |e|^2 in alpha = 1 + stretch |e|^2. A lane that is too fast (live = 0)
+   !> is carried along at rest.
    pure subroutine cayley_increment(class, terms, stretch, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms
@@ -53,19 +54,21 @@ contains
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
       real(dp) :: w(lanes, 3), z(lanes, 3), kappa(lanes, 3), e(lanes, 3)
-      real(dp), dimension(lanes) :: p, r, ps, rs, slip, live
-      logical :: failed(lanes)
+      real(dp), dimension(lanes) :: p, r, ps, rs, slip, live, found
+      integer :: l
 
       call step_sizes(class, h, y, w, p, r)
-      failed = p + r > quarter_turn**2
-      live = merge(0.0_dp, 1.0_dp, failed)
-      where (failed) status = poinsot_e_step
-      p = p*live
-      r = r*live
+      !GCC$ ivdep
+      do l = 1, lanes
+         live(l) = merge(1.0_dp, 0.0_dp, p(l) + r(l) <= quarter_turn**2)
+         p(l) = merge(p(l), 0.0_dp, live(l) > 0)
+         r(l) = merge(r(l), 0.0_dp, live(l) > 0)
+      end do
       call correction(terms, class, p, r, ps, rs)
       call coefficients(class, live, w, ps, rs, z, kappa, slip)
-      call solve(stretch, p + r, z, kappa, e, failed)
-      where (failed .and. status == poinsot_ok) status = poinsot_e_convergence
+      call solve(stretch, p + r, z, kappa, e, found)
+      if (minval(live) < 1) where (live < 1) status = poinsot_e_step
+      if (minval(found) < 1) where (found < 1 .and. status == poinsot_ok) status = poinsot_e_convergence
       call apply(class, e, slip, y, q, dy, dq)
    end subroutine cayley_increment
 
@@ -95,13 +98,14 @@ contains
    end subroutine coefficients
 
    !> Newton's method with a number of sweeps fixed beforehand by the size of the step: it cannot spin in rounding noise.
-   !> A lane keeps its root once its own sweeps are done. `failed` where the last sweep still moved, or |e| >= 1.
-   pure subroutine solve(stretch, size, z, kappa, e, failed)
+   !> A lane keeps its root once its own sweeps are done. `found` is 0 where the last sweep still moved, or |e| >= 1.
+   pure subroutine solve(stretch, size, z, kappa, e, found)
       real(dp), intent(in) :: stretch, size(lanes), z(lanes, 3), kappa(lanes, 3)
       real(dp), intent(out) :: e(lanes, 3)
-      logical, intent(inout) :: failed(lanes)
+      real(dp), intent(out) :: found(lanes)
       real(dp) :: moved(lanes), ee, e1, e2, e3
-      integer :: sweeps(lanes), l, k
+      real(dp) :: sweeps(lanes)
+      integer :: l, k
       real(dp), parameter :: tolerance = 1e-14_dp !! of the last sweep's move squared; what is left is its square again
 
       !GCC$ ivdep
@@ -115,15 +119,18 @@ contains
          e(l, 2) = e2
          e(l, 3) = e3
          moved(l) = 0
-         sweeps(l) = 1 + merge(1, 0, size(l) > sweep_bound(1)) + merge(1, 0, size(l) > sweep_bound(2)) &
-                     + merge(1, 0, size(l) > sweep_bound(3)) + merge(3, 0, size(l) > sweep_bound(4))
+         sweeps(l) = 1 + merge(1.0_dp, 0.0_dp, size(l) > sweep_bound(1)) &
+                     + merge(1.0_dp, 0.0_dp, size(l) > sweep_bound(2)) &
+                     + merge(1.0_dp, 0.0_dp, size(l) > sweep_bound(3)) &
+                     + merge(3.0_dp, 0.0_dp, size(l) > sweep_bound(4))
       end do
-      do k = 1, maxval(sweeps)
-         call newton(stretch, z, kappa, sweeps >= k, e, moved)
+      do k = 1, nint(maxval(sweeps))
+         call newton(stretch, z, kappa, merge(1.0_dp, 0.0_dp, sweeps >= k), e, moved)
       end do
+      !GCC$ ivdep
       do l = 1, lanes
          ee = e(l, 1)**2 + e(l, 2)**2 + e(l, 3)**2
-         failed(l) = failed(l) .or. ee >= 1 .or. moved(l) > tolerance*ee
+         found(l) = merge(1.0_dp, 0.0_dp, ee < 1 .and. moved(l) <= tolerance*ee)
       end do
    end subroutine solve
 
@@ -143,7 +150,7 @@ contains
    !> One sweep of Newton's method; `moved` = how far a lane went in its last one, squared.
    pure subroutine newton(stretch, z, kappa, active, e, moved)
       real(dp), intent(in) :: stretch, z(lanes, 3), kappa(lanes, 3)
-      logical, intent(in) :: active(lanes)
+      real(dp), intent(in) :: active(lanes) !! 1: this lane moves, 0: it keeps its root
       real(dp), intent(inout) :: e(lanes, 3), moved(lanes)
       real(dp) :: f1, f2, f3, al, z1, z2, z3, k1, k2, k3, e1, e2, e3, d1, d2, d3
       real(dp) :: m11, m12, m13, m21, m22, m23, m31, m32, m33, c11, c12, c13, det, two
@@ -177,14 +184,14 @@ contains
          c12 = m23*m31 - m21*m33
          c13 = m21*m32 - m22*m31
          det = m11*c11 + m12*c12 + m13*c13
-         det = merge(1.0_dp, 0.0_dp, active(l))/merge(det, 1.0_dp, abs(det) > 1e-3_dp)
+         det = active(l)/merge(det, 1.0_dp, abs(det) > 1e-3_dp)
          d1 = det*(c11*f1 + (m13*m32 - m12*m33)*f2 + (m12*m23 - m13*m22)*f3)
          d2 = det*(c12*f1 + (m11*m33 - m13*m31)*f2 + (m13*m21 - m11*m23)*f3)
          d3 = det*(c13*f1 + (m12*m31 - m11*m32)*f2 + (m11*m22 - m12*m21)*f3)
          e(l, 1) = e1 + d1
          e(l, 2) = e2 + d2
          e(l, 3) = e3 + d3
-         moved(l) = merge(d1*d1 + d2*d2 + d3*d3, moved(l), active(l))
+         moved(l) = merge(d1*d1 + d2*d2 + d3*d3, moved(l), active(l) > 0)
       end do
    end subroutine newton
 

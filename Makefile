@@ -1,0 +1,72 @@
+# poinsot: set up, build, test, install. `make help` lists what there is.
+#
+# Variables: FC             the Fortran compiler (gfortran)
+#            PORTABLE=1     for any processor of this kind, not this one only
+#            EXTRA_FLAGS    added to the compiler's flags
+#            SUITE          of make test: the suite, or suite and test, to run
+#            PICTURES=no    of make demo: without gnuplot
+#            PREFIX         of make install and uninstall: where to (/usr/local); DESTDIR in front of it
+
+ifeq ($(origin FC),default)
+FC := gfortran
+endif
+PREFIX ?= /usr/local
+DESTDIR ?=
+LIBDIR ?= lib
+SUITE ?=
+export FC PORTABLE EXTRA_FLAGS PICTURES
+
+fpm := build/tools/bin/fpm
+stage := build/stage
+out := poinsot-out
+
+.PHONY: all setup build demo test check-deep bench lint docs install uninstall clean distclean help
+.NOTPARALLEL:
+
+all: build
+
+# Without pruning: the library holds every module, not only those that the app reaches.
+build: setup ## set up what is missing; build library and app (into build/stage)
+	@$(fpm) install --no-prune --prefix $(stage) --compiler $(FC) --flag "$$(tools/flags.sh release)" \
+	   --link-flag "$$(tools/flags.sh link)" >build/build.log 2>&1 || { cat build/build.log; exit 1; }
+	@echo "built: $(stage)/bin/poinsot and $(stage)/lib/libpoinsot.a"
+
+demo: build ## build, then run the free body and the heavy top, leave pictures
+	$(stage)/bin/poinsot run free-body --out $(out)/free-body
+	$(stage)/bin/poinsot run heavy-top --out $(out)/heavy-top
+	@echo; echo "Pictures:"; ls -1 $(out)/free-body/*.svg $(out)/free-body/*.png \
+	   $(out)/heavy-top/*.svg $(out)/heavy-top/*.png 2>/dev/null | sed 's/^/   /'
+
+test: build ## build, then run the tests in two profiles; ends with "N passed, M failed"
+	@tools/test.sh $(SUITE)
+
+check-deep: build ## all tests, the long ones too
+	@tools/test.sh --deep $(SUITE)
+
+bench: build ## measure the speed of every method
+	@if [ -x bench/run.sh ]; then bench/run.sh; else echo "no benchmark yet"; exit 1; fi
+
+lint: setup ## fortitude, module names, warnings as errors
+	@tools/lint.sh
+
+docs: setup ## reference by FORD (into build/docs)
+	@tools/docs.sh
+
+install: build ## install under PREFIX (and DESTDIR)
+	@tools/install.sh install "$(PREFIX)" "$(DESTDIR)" "$(LIBDIR)"
+
+uninstall: ## remove what install put under PREFIX
+	@tools/install.sh uninstall "$(PREFIX)" "$(DESTDIR)" "$(LIBDIR)"
+
+clean: ## remove what was built; tools and dependencies stay
+	@find build -mindepth 1 -maxdepth 1 ! -name tools ! -name dependencies -exec rm -rf {} + 2>/dev/null; true
+
+distclean: ## remove everything that was not in the repository
+	rm -rf build $(out)
+
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/   make \1|\2/p' Makefile | awk -F'|' '{ printf "%-22s %s\n", $$1, $$2 }'
+	@sed -n '/^# Variables/,/^$$/s/^# //p' Makefile
+
+setup:
+	@tools/setup.sh build $(filter demo lint docs,$(MAKECMDGOALS))

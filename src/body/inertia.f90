@@ -1,0 +1,260 @@
+!> Inertia tensors: from point masses, about another point, and down to principal axes.
+!>
+!> A tensor is T = integral of (|x|^2 - x x^T) dm. Everything is done on numbers near 1 (scaled by a
+!> power of two, which costs no digit), so tensors of 1e-46 and of 1e+150 come out alike.
+module poinsot_body_inertia
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size, poinsot_e_convergence
+   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_rotation_vector, only: cross, unit_vector, identity_matrix, largest_exponent
+   use poinsot_body_moments, only: check_moments, moment_tolerance
+   implicit none(type, external)
+   private
+   public :: principal_axes, point_mass_tensor, parallel_axis, tensor_of_axes
+
+   !> How far a tensor may be from symmetric, relative to its largest entry: what decimals in a file
+   !> lose.
+   real(dp), parameter :: symmetry_tolerance = 1e-10_dp
+
+   !> Binary exponents between which a tensor's largest entry must lie.
+   integer, parameter :: least_exponent = -1000, greatest_exponent = 1000
+
+   interface
+      !> LAPACK: eigenvalues, ascending, and eigenvectors of a symmetric matrix.
+      subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
+         import :: dp
+         implicit none(type, external)
+         character(1), intent(in) :: jobz, uplo
+         integer, intent(in) :: n, lda, lwork
+         real(dp), intent(inout) :: a(lda, *)
+         real(dp), intent(out) :: w(*), work(*)
+         integer, intent(out) :: info
+      end subroutine dsyev
+   end interface
+
+contains
+
+   !> Principal moments and axes of an inertia tensor: tensor = axes diag(moments) transpose(axes).
+   !>
+   !> Moments ascend. The axes are right-handed and always the same ones: the component of largest
+   !> size of the first two is positive; where moments are equal (to 32 eps) and the axes therefore
+   !> free, they lie as near the given axes as they can (for three equal moments, they are the given
+   !> axes). Of a diagonal tensor the moments are its entries, to the bit; of any other, a smallest
+   !> moment that is zero to round-off becomes zero and the other two equal, and a largest one that
+   !> exceeds the sum of the others by round-off becomes that sum. An attitude Q of the given frame
+   !> becomes Q axes, that of the principal frame.
+   subroutine principal_axes(tensor, moments, axes, error)
+      real(dp), intent(in) :: tensor(3, 3)        !! symmetric, about the point the body turns
+                                                  !! about, any unit
+      real(dp), intent(out) :: moments(3)         !! ascending, in the unit of the tensor; 0 if
+                                                  !! refused
+      real(dp), intent(out) :: axes(3, 3)         !! columns: principal axes in the given frame;
+                                                  !! identity if refused
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain: not finite, not symmetric, or
+                                                  !! no body's tensor
+      real(dp) :: work(64)
+      integer :: e, info
+      logical :: diagonal
+      moments = 0
+      axes = identity_matrix
+      call check_tensor(tensor, error)
+      if (raised(error)) return
+      diagonal = maxval(abs(tensor - tensor*identity_matrix)) <= 0
+      e = largest_exponent(reshape(tensor, [9]))
+      axes = scale(tensor/2 + transpose(tensor)/2, -e)
+      call dsyev("V", "U", 3, axes, 3, moments, work, size(work), info)
+      if (info == 0) then
+         if (.not. diagonal) call clean_moments(moments)
+         call settle_axes(moments, axes)
+         moments = scale(moments, e)
+         call check_moments(moments, error)
+      else
+         call raise(error, poinsot_e_convergence, "inertia tensor: LAPACK's dsyev did not converge")
+      end if
+      if (.not. raised(error)) return
+      moments = 0
+      axes = identity_matrix
+   end subroutine principal_axes
+
+   !> Refuse what is not even a symmetric matrix of workable size.
+   pure subroutine check_tensor(tensor, error)
+      real(dp), intent(in) :: tensor(3, 3)
+      type(poinsot_error), intent(inout) :: error
+      character(96) :: text
+      integer :: i, j, e
+      if (.not. all(ieee_is_finite(tensor))) then
+         call raise(error, poinsot_e_domain, "inertia tensor: an entry is not finite")
+         return
+      end if
+      e = largest_exponent(reshape(tensor, [9]))
+      if (maxval(abs(tensor)) <= 0) then
+         call raise(error, poinsot_e_domain, &
+            "inertia tensor: all entries are zero; a point does not turn")
+      else if (e < least_exponent .or. e > greatest_exponent) then
+         call raise(error, poinsot_e_domain, &
+            "inertia tensor: entries beyond 1e-300 to 1e+300; use other units")
+      end if
+      if (raised(error)) return
+      do i = 1, 3
+         do j = i + 1, 3
+            if (abs(tensor(i, j) - tensor(j, i)) <= symmetry_tolerance*maxval(abs(tensor))) cycle
+            write (text, "(5(a, i0))") "inertia tensor: not symmetric, entries (", i, ",", j, &
+               ") and (", j, ",", i, ") differ"
+            call raise(error, poinsot_e_domain, trim(text))
+            return
+         end do
+      end do
+   end subroutine check_tensor
+
+   !> Take round-off out of ascending eigenvalues near 1: see `principal_axes`.
+   pure subroutine clean_moments(moments)
+      real(dp), intent(inout) :: moments(3)
+      real(dp) :: allowed
+      allowed = moment_tolerance*moments(3)
+      if (abs(moments(1)) <= allowed/2) then
+         moments(1) = 0
+         if (moments(3) - moments(2) <= allowed) moments(2:3) = (moments(2) + moments(3))/2
+      else if (moments(1) > 0) then
+         if (moments(3) - moments(2) > moments(1) .and. &
+            moments(3) - moments(2) <= moments(1) + allowed) moments(3) = moments(1) + moments(2)
+      end if
+   end subroutine clean_moments
+
+   !> Choose signs, handedness, and the axes that equal moments leave free.
+   pure subroutine settle_axes(moments, axes)
+      real(dp), intent(in) :: moments(3)
+      real(dp), intent(inout) :: axes(3, 3)
+      logical :: lower_pair, upper_pair
+      lower_pair = moments(2) - moments(1) <= moment_tolerance*moments(3)
+      upper_pair = moments(3) - moments(2) <= moment_tolerance*moments(3)
+      if (lower_pair .and. upper_pair) then
+         axes = identity_matrix
+         return
+      else if (lower_pair) then
+         axes(:, 1) = nearest_in_plane(axes(:, 3))
+         axes(:, 2) = cross(axes(:, 3), axes(:, 1))
+      else if (upper_pair) then
+         axes(:, 2) = nearest_in_plane(axes(:, 1))
+      end if
+      axes(:, 1) = largest_positive(axes(:, 1))
+      axes(:, 2) = largest_positive(axes(:, 2))
+      axes(:, 3) = unit_vector(cross(axes(:, 1), axes(:, 2)))
+   end subroutine settle_axes
+
+   !> The unit vector normal to n and nearest to one of the given axes: the one most normal to n,
+   !> lowest index in a tie.
+   pure function nearest_in_plane(n) result(v)
+      real(dp), intent(in) :: n(3)
+      real(dp) :: v(3)
+      integer :: k
+      k = 1
+      ! a tie is decided with a margin, or round-off would choose between axes
+      if (abs(n(2)) < abs(n(k)) - 1e-8_dp) k = 2
+      if (abs(n(3)) < abs(n(k)) - 1e-8_dp) k = 3
+      v = unit_vector(identity_matrix(:, k) - n(k)*n)
+   end function nearest_in_plane
+
+   !> v or -v, whichever has its component of largest size positive (lowest index in a near tie).
+   pure function largest_positive(v) result(w)
+      real(dp), intent(in) :: v(3)
+      real(dp) :: w(3)
+      integer :: k
+      k = 1
+      if (abs(v(2)) > abs(v(k)) + 1e-8_dp) k = 2
+      if (abs(v(3)) > abs(v(k)) + 1e-8_dp) k = 3
+      w = v
+      if (v(k) < 0) w = -v
+   end function largest_positive
+
+   !> The tensor that has these moments about these axes: axes diag(moments) transpose(axes).
+   pure function tensor_of_axes(moments, axes) result(tensor)
+      real(dp), intent(in) :: moments(3) !! principal moments
+      real(dp), intent(in) :: axes(3, 3) !! columns: principal axes
+      real(dp) :: tensor(3, 3)
+      integer :: i, j
+      do j = 1, 3
+         do i = 1, 3
+            tensor(i, j) = sum(axes(i, :)*moments*axes(j, :))
+         end do
+      end do
+   end function tensor_of_axes
+
+   !> Inertia tensor of point masses about their centre of mass.
+   pure subroutine point_mass_tensor(mass, position, tensor, error, total_mass, centre)
+      real(dp), intent(in) :: mass(:)                !! masses, zero or positive, not all zero
+      real(dp), intent(in) :: position(:, :)         !! (3, size(mass)): where they are
+      real(dp), intent(out) :: tensor(3, 3)          !! mass times length squared; 0 if refused
+      type(poinsot_error), intent(inout) :: error    !! poinsot_e_size: shapes; poinsot_e_domain:
+                                                     !! values
+      real(dp), intent(out), optional :: total_mass  !! sum of the masses
+      real(dp), intent(out), optional :: centre(3)   !! centre of mass
+      real(dp) :: total, middle(3), arm(3)
+      integer :: k, em, ex, ea
+      tensor = 0
+      if (present(total_mass)) total_mass = 0
+      if (present(centre)) centre = 0
+      call check_masses(mass, position, error)
+      if (raised(error)) return
+      em = largest_exponent(mass)
+      ex = largest_exponent(reshape(position, [size(position)]))
+      total = sum(scale(mass, -em))
+      middle = matmul(scale(position, -ex), scale(mass, -em))/total ! in units of 2**ex
+      ea = largest_exponent([(maxval(abs(scale(position(:, k), -ex) - middle)), k=1, size(mass))])
+      do k = 1, size(mass)
+         arm = scale(scale(position(:, k), -ex) - middle, -ea)
+         tensor = tensor + scale(mass(k), -em)*about_point(arm)
+      end do
+      if (em + 2*(ex + ea) < least_exponent .or. em + 2*(ex + ea) > greatest_exponent) then
+         tensor = 0
+         call raise(error, poinsot_e_domain, &
+            "point masses: the tensor is beyond 1e-300 to 1e+300; use other units")
+         return
+      end if
+      tensor = scale(tensor, em + 2*(ex + ea))
+      if (present(total_mass)) total_mass = scale(total, em)
+      if (present(centre)) centre = scale(middle, ex)
+   end subroutine point_mass_tensor
+
+   !> Refuse masses and positions that make no body.
+   pure subroutine check_masses(mass, position, error)
+      real(dp), intent(in) :: mass(:), position(:, :)
+      type(poinsot_error), intent(inout) :: error
+      if (size(mass) < 1 .or. size(position, 1) /= 3 .or. size(position, 2) /= size(mass)) then
+         call raise(error, poinsot_e_size, &
+            "point masses: need position(3, n) for n masses, n at least 1")
+      else if (.not. (all(ieee_is_finite(mass)) .and. all(ieee_is_finite(position)))) then
+         call raise(error, poinsot_e_domain, "point masses: a mass or a position is not finite")
+      else if (any(mass < 0)) then
+         call raise(error, poinsot_e_domain, "point masses: a mass is negative")
+      else if (maxval(mass) <= 0) then
+         call raise(error, poinsot_e_domain, "point masses: all masses are zero")
+      end if
+   end subroutine check_masses
+
+   !> The tensor about a point at distance `shift` from the centre of mass (Huygens and Steiner).
+   pure function parallel_axis(tensor, mass, shift) result(shifted)
+      real(dp), intent(in) :: tensor(3, 3) !! about the centre of mass
+      real(dp), intent(in) :: mass         !! of the body; negative to go back to the centre of mass
+      real(dp), intent(in) :: shift(3)     !! from the one point to the other
+      real(dp) :: shifted(3, 3)
+      integer :: e
+      ! so that the square of a tiny or huge shift alone does not leave the range
+      e = largest_exponent(shift)
+      shifted = tensor + scale(mass, 2*e)*about_point(scale(shift, -e))
+   end function parallel_axis
+
+   !> |x|^2 - x x^T: the tensor of a unit mass at x.
+   pure function about_point(x) result(tensor)
+      real(dp), intent(in) :: x(3)
+      real(dp) :: tensor(3, 3)
+      integer :: i, j
+      do j = 1, 3
+         do i = 1, 3
+            tensor(i, j) = -x(i)*x(j)
+         end do
+         tensor(j, j) = x(modulo(j, 3) + 1)**2 + x(modulo(j + 1, 3) + 1)**2
+      end do
+   end function about_point
+
+end module poinsot_body_inertia

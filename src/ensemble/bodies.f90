@@ -1,0 +1,130 @@
+!> The caller's bodies, seen through pointers and strides: nothing is copied, nothing is owned.
+module poinsot_ensemble_bodies
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_size_t, c_ptrdiff_t, c_double, c_int, c_int64_t, &
+      c_associated, c_f_pointer, c_loc, c_sizeof
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_status, only: poinsot_e_null, poinsot_e_size
+   implicit none(type, external)
+   private
+   public :: poinsot_bodies, column, body_view, view_rows, view_columns, open_view
+
+   !> What C sees as `poinsot_bodies` (include/poinsot.h): component pointers and strides in doubles.
+   type, bind(c) :: poinsot_bodies
+      integer(c_size_t) :: size = 0            !! sizeof(poinsot_bodies) of the caller
+      integer(c_size_t) :: n = 0               !! how many bodies
+      type(c_ptr) :: y(3) = c_null_ptr         !! components of the momentum variable
+      type(c_ptr) :: q(4) = c_null_ptr         !! components of the attitude, scalar first
+      integer(c_ptrdiff_t) :: y_stride = 0     !! from one body to the next, in doubles
+      integer(c_ptrdiff_t) :: q_stride = 0
+      type(c_ptr) :: body_class = c_null_ptr   !! class of each body, from 0; NULL: all class 0
+      type(c_ptr) :: id = c_null_ptr           !! 64-bit numbers for random streams; NULL: position
+      type(c_ptr) :: carry = c_null_ptr        !! 7 n compensated sums, or NULL
+      type(c_ptr) :: status = c_null_ptr       !! n statuses, or NULL
+      type(c_ptr) :: y_fourth = c_null_ptr     !! fourth component of a conjugate momentum, or NULL
+   end type poinsot_bodies
+
+   !> One component of all bodies, with whatever stride.
+   type :: column
+      real(dp), pointer :: of(:) => null()
+   end type column
+
+   !> The same opened for Fortran.
+   type :: body_view
+      integer :: n = 0
+      type(column) :: y(4)                                     !! momentum variable; the fourth only for a conjugate one
+      type(column) :: q(4)                                     !! attitude
+      integer(c_int), pointer :: body_class(:) => null()       !! from `first_class`
+      integer :: first_class = 0                               !! number of the first class: 0 in C, 1 in Fortran
+      integer(c_int64_t), pointer :: id(:) => null()
+      real(dp), pointer :: carry(:, :) => null()               !! (7, n)
+      integer(c_int), pointer :: status(:) => null()
+   end type body_view
+
+contains
+
+   !> View of rows: y(3, n) and q(4, n), the native layout.
+   subroutine view_rows(y, q, view)
+      real(dp), intent(in), target :: y(:, :)      !! (3, n), or (4, n) for a conjugate momentum
+      real(dp), intent(in), target :: q(:, :)      !! (4, n)
+      type(body_view), intent(out) :: view
+      integer :: j
+      view%n = size(q, 2)
+      view%first_class = 1
+      do j = 1, min(4, size(y, 1))
+         view%y(j)%of => y(j, :)
+      end do
+      do j = 1, 4
+         view%q(j)%of => q(j, :)
+      end do
+   end subroutine view_rows
+
+   !> View of component arrays: y(n, 3) and q(n, 4).
+   subroutine view_columns(y, q, view)
+      real(dp), intent(in), target :: y(:, :), q(:, :)
+      type(body_view), intent(out) :: view
+      integer :: j
+      view%n = size(q, 1)
+      view%first_class = 1
+      do j = 1, min(4, size(y, 2))
+         view%y(j)%of => y(:, j)
+      end do
+      do j = 1, 4
+         view%q(j)%of => q(:, j)
+      end do
+   end subroutine view_columns
+
+   !> Open a C view. POINSOT_E_NULL names a pointer that is missing, POINSOT_E_SIZE a size or stride that cannot be.
+   subroutine open_view(bodies, view, error)
+      type(poinsot_bodies), intent(in) :: bodies
+      type(body_view), intent(out) :: view
+      type(poinsot_error), intent(inout) :: error
+      integer :: j
+
+      if (bodies%size /= c_sizeof(bodies)) then
+         call raise(error, poinsot_e_size, "poinsot_bodies: set size = sizeof(poinsot_bodies)")
+         return
+      end if
+      if (bodies%n > huge(view%n)/8) then
+         call raise(error, poinsot_e_size, "poinsot_bodies: n is beyond 268435455")
+         return
+      end if
+      view%n = int(bodies%n)
+      if (view%n == 0) return
+      if (view%n > 1 .and. (bodies%y_stride < 1 .or. bodies%q_stride < 1)) then
+         call raise(error, poinsot_e_size, "poinsot_bodies: y_stride and q_stride must be at least 1")
+         return
+      end if
+      do j = 1, 3
+         call open_column(bodies%y(j), bodies%n, bodies%y_stride, view%y(j), error)
+      end do
+      if (c_associated(bodies%y_fourth)) &
+         call open_column(bodies%y_fourth, bodies%n, bodies%y_stride, view%y(4), error)
+      do j = 1, 4
+         call open_column(bodies%q(j), bodies%n, bodies%q_stride, view%q(j), error)
+      end do
+      if (c_associated(bodies%body_class)) call c_f_pointer(bodies%body_class, view%body_class, [bodies%n])
+      if (c_associated(bodies%id)) call c_f_pointer(bodies%id, view%id, [bodies%n])
+      if (c_associated(bodies%carry)) &
+         call c_f_pointer(bodies%carry, view%carry, [7_c_size_t, bodies%n])
+      if (c_associated(bodies%status)) call c_f_pointer(bodies%status, view%status, [bodies%n])
+   end subroutine open_view
+
+   subroutine open_column(base, n, stride, into, error)
+      type(c_ptr), intent(in) :: base
+      integer(c_size_t), intent(in) :: n
+      integer(c_ptrdiff_t), intent(in) :: stride
+      type(column), intent(out) :: into
+      type(poinsot_error), intent(inout) :: error
+      real(dp), pointer :: all(:)
+      integer(c_ptrdiff_t) :: step
+      if (.not. c_associated(base)) then
+         call raise(error, poinsot_e_null, "poinsot_bodies: y[0..2] and q[0..3] must not be NULL")
+         return
+      end if
+      step = max(stride, 1_c_ptrdiff_t)
+      call c_f_pointer(base, all, [1 + (n - 1)*step])
+      into%of => all(::step)
+   end subroutine open_column
+
+end module poinsot_ensemble_bodies

@@ -1,0 +1,149 @@
+!> The momentum variables and body frames of other codes, turned into native ones and back, block by block.
+!>
+!> Native: angular momentum y in the principal frame, attitude q from the principal frame to space. See docs on conventions.
+module poinsot_ensemble_layout
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_body_class, only: body_class
+   implicit none(type, external)
+   private
+   public :: momentum_names, body_momentum, space_momentum, body_velocity, space_velocity, conjugate_momentum
+   public :: layout_names, layout_momentum, no_axes, to_native, from_native
+
+   integer, parameter :: body_momentum = 1      !! angular momentum, body frame
+   integer, parameter :: space_momentum = 2     !! angular momentum, space frame (LAMMPS)
+   integer, parameter :: body_velocity = 3      !! angular velocity, body frame (DL_POLY, ESPResSo)
+   integer, parameter :: space_velocity = 4     !! angular velocity, space frame (Bullet)
+   integer, parameter :: conjugate_momentum = 5 !! 2 q o (0, y), four components (HOOMD, NO_SQUISH codes)
+   character(20), parameter :: momentum_names(5) = [character(20) :: "body-momentum", "space-momentum", &
+                                                    "body-velocity", "space-velocity", "conjugate-momentum"]
+
+   !> Layouts by name, and the momentum variable each stands for.
+   character(8), parameter :: layout_names(4) = [character(8) :: "native", "lammps", "dl_poly", "hoomd"]
+   integer, parameter :: layout_momentum(4) = [body_momentum, space_momentum, body_velocity, conjugate_momentum]
+
+   real(dp), parameter :: no_axes(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp] !! the body frame is the principal frame
+
+contains
+
+   !> p, the caller's momentum variable, and q, from the caller's body frame -> y and q of the principal frame.
+   pure subroutine to_native(momentum, axes, class, p, y, q)
+      integer, intent(in) :: momentum            !! one of the five variables
+      real(dp), intent(in) :: axes(4)            !! quaternion of the principal axes in the caller's body frame
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: p(lanes, 4)
+      real(dp), intent(out) :: y(lanes, 3)
+      real(dp), intent(inout) :: q(lanes, 4)
+      real(dp) :: s(lanes, 4)
+      integer :: l, j
+      logical :: turned
+
+      turned = any(axes(2:4) /= 0)
+      select case (momentum)
+      case (space_momentum, space_velocity)
+         y = p(:, 1:3)
+         call rotate_back(q, y)
+      case (conjugate_momentum)
+         !GCC$ ivdep
+         do l = 1, lanes
+            y(l, 1) = 0.5_dp*(q(l, 1)*p(l, 2) - q(l, 2)*p(l, 1) - (q(l, 3)*p(l, 4) - q(l, 4)*p(l, 3)))
+            y(l, 2) = 0.5_dp*(q(l, 1)*p(l, 3) - q(l, 3)*p(l, 1) - (q(l, 4)*p(l, 2) - q(l, 2)*p(l, 4)))
+            y(l, 3) = 0.5_dp*(q(l, 1)*p(l, 4) - q(l, 4)*p(l, 1) - (q(l, 2)*p(l, 3) - q(l, 3)*p(l, 2)))
+         end do
+      case default
+         y = p(:, 1:3)
+      end select
+      if (turned) then
+         s = spread(axes, 1, lanes)
+         call rotate_back(s, y)
+         call times(q, axes)
+      end if
+      if (momentum == body_velocity .or. momentum == space_velocity) then
+         do j = 1, 3
+            y(:, j) = y(:, j)*class%moments(j)
+         end do
+      end if
+   end subroutine to_native
+
+   !> The way back: y and q of the principal frame -> p and q of the caller.
+   pure subroutine from_native(momentum, axes, class, y, q, p)
+      integer, intent(in) :: momentum
+      real(dp), intent(in) :: axes(4)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: y(lanes, 3)
+      real(dp), intent(inout) :: q(lanes, 4)
+      real(dp), intent(out) :: p(lanes, 4)
+      real(dp) :: s(lanes, 4), v(lanes, 3), back(4)
+      integer :: l, j
+
+      v = y
+      if (momentum == body_velocity .or. momentum == space_velocity) then
+         do j = 1, 3
+            v(:, j) = v(:, j)*class%inverse(j)
+         end do
+      end if
+      if (any(axes(2:4) /= 0)) then
+         back = [axes(1), -axes(2:4)]
+         s = spread(back, 1, lanes)
+         call rotate_back(s, v)
+         call times(q, back)
+      end if
+      p(:, 4) = 0
+      select case (momentum)
+      case (space_momentum, space_velocity)
+         s = q
+         s(:, 2:4) = -q(:, 2:4)
+         call rotate_back(s, v)
+         p(:, 1:3) = v
+      case (conjugate_momentum)
+         !GCC$ ivdep
+         do l = 1, lanes
+            p(l, 1) = -2*(q(l, 2)*v(l, 1) + q(l, 3)*v(l, 2) + q(l, 4)*v(l, 3))
+            p(l, 2) = 2*(q(l, 1)*v(l, 1) + q(l, 3)*v(l, 3) - q(l, 4)*v(l, 2))
+            p(l, 3) = 2*(q(l, 1)*v(l, 2) + q(l, 4)*v(l, 1) - q(l, 2)*v(l, 3))
+            p(l, 4) = 2*(q(l, 1)*v(l, 3) + q(l, 2)*v(l, 2) - q(l, 3)*v(l, 1))
+         end do
+      case default
+         p(:, 1:3) = v
+      end select
+   end subroutine from_native
+
+   !> v = Q^T v, lane by lane.
+   pure subroutine rotate_back(q, v)
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: v(lanes, 3)
+      real(dp) :: t1, t2, t3, v1, v2, v3
+      integer :: l
+      !GCC$ ivdep
+      do l = 1, lanes
+         v1 = v(l, 1)
+         v2 = v(l, 2)
+         v3 = v(l, 3)
+         t1 = 2*(q(l, 3)*v3 - q(l, 4)*v2)
+         t2 = 2*(q(l, 4)*v1 - q(l, 2)*v3)
+         t3 = 2*(q(l, 2)*v2 - q(l, 3)*v1)
+         v(l, 1) = v1 - q(l, 1)*t1 + (q(l, 3)*t3 - q(l, 4)*t2)
+         v(l, 2) = v2 - q(l, 1)*t2 + (q(l, 4)*t1 - q(l, 2)*t3)
+         v(l, 3) = v3 - q(l, 1)*t3 + (q(l, 2)*t2 - q(l, 3)*t1)
+      end do
+   end subroutine rotate_back
+
+   !> q = q o a, lane by lane.
+   pure subroutine times(q, a)
+      real(dp), intent(inout) :: q(lanes, 4)
+      real(dp), intent(in) :: a(4)
+      real(dp) :: q1, q2, q3, q4
+      integer :: l
+      !GCC$ ivdep
+      do l = 1, lanes
+         q1 = q(l, 1)
+         q2 = q(l, 2)
+         q3 = q(l, 3)
+         q4 = q(l, 4)
+         q(l, 1) = q1*a(1) - q2*a(2) - q3*a(3) - q4*a(4)
+         q(l, 2) = q1*a(2) + q2*a(1) + q3*a(4) - q4*a(3)
+         q(l, 3) = q1*a(3) + q3*a(1) + q4*a(2) - q2*a(4)
+         q(l, 4) = q1*a(4) + q4*a(1) + q2*a(3) - q3*a(2)
+      end do
+   end subroutine times
+
+end module poinsot_ensemble_layout

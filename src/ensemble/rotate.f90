@@ -1,0 +1,81 @@
+!> Free rotation of many bodies of one kind: the shortest way in.
+module poinsot_ensemble_rotate
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
+   use poinsot_body_class, only: body_class
+   use poinsot_ensemble_block, only: block_state
+   use poinsot_ensemble_bodies, only: body_view
+   use poinsot_ensemble_drive, only: block_job, for_each_block
+   use poinsot_ensemble_layout, only: body_momentum, no_axes
+   use poinsot_free_method, only: free_method, advance
+   implicit none(type, external)
+   private
+   public :: rotate_job, rotate_bodies, check_step
+
+   !> `steps` steps of h by one method.
+   type, extends(block_job) :: rotate_job
+      type(free_method) :: method
+      real(dp) :: h = 0
+      integer :: steps = 1
+      logical :: compensated = .false.
+   contains
+      procedure :: run => run_rotate
+   end type rotate_job
+
+contains
+
+   !> Rotate all bodies of a native view freely. POINSOT_E_PARTIAL if some failed: each has a status and its state of before.
+   subroutine rotate_bodies(class, method, h, steps, view, threads, status, error)
+      type(body_class), intent(in) :: class
+      type(free_method), intent(in) :: method
+      real(dp), intent(in) :: h                     !! step, either sign
+      integer, intent(in) :: steps                  !! how many
+      type(body_view), intent(in) :: view
+      integer, intent(in) :: threads                !! 0: as OpenMP says
+      integer, intent(out) :: status
+      type(poinsot_error), intent(inout) :: error   !! a step that is not finite
+      type(rotate_job) :: job
+      real(dp) :: axes(4, 1)
+
+      call check_step(h, steps, error)
+      status = error%code
+      if (status /= 0) return
+      job%method = method
+      job%h = h
+      job%steps = steps
+      job%compensated = associated(view%carry)
+      axes(:, 1) = no_axes
+      status = for_each_block(view, [class], axes, body_momentum, threads, job)
+   end subroutine rotate_bodies
+
+   !> A step must be finite, a number of steps not negative.
+   subroutine check_step(h, steps, error)
+      real(dp), intent(in) :: h
+      integer, intent(in) :: steps
+      type(poinsot_error), intent(inout) :: error
+      if (.not. ieee_is_finite(h)) then
+         call raise(error, poinsot_e_domain, "step h is not finite")
+      else if (steps < 0) then
+         call raise(error, poinsot_e_size, "number of steps is negative")
+      end if
+   end subroutine check_step
+
+   subroutine run_rotate(self, class, b)
+      class(rotate_job), intent(in) :: self
+      type(body_class), intent(in) :: class
+      type(block_state), intent(inout) :: b
+      integer :: k
+      if (self%compensated) then
+         do k = 1, self%steps
+            call advance(self%method, class, self%h, b%y, b%q, b%status, b%carry)
+         end do
+      else
+         do k = 1, self%steps
+            call advance(self%method, class, self%h, b%y, b%q, b%status)
+         end do
+      end if
+   end subroutine run_rotate
+
+end module poinsot_ensemble_rotate

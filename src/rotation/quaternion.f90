@@ -1,0 +1,213 @@
+!> Quaternions: q = (q0, q1, q2, q3) = q0 + i q1 + j q2 + k q3, scalar first, Hamilton's product.
+!>
+!> A unit quaternion is an attitude: it takes body coordinates to space coordinates, x = Q X with
+!> Q = |q|^2 + 2 q0 hat(e) + 2 hat(e)^2 and e = (q1, q2, q3); q and -q are the same attitude
+!> (Vilmart's review, "Quaternion implementation"; its "iq_2" is a misprint for j q2).
+module poinsot_rotation_quaternion
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_status, only: poinsot_e_domain
+   use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_rotation_vector, only: cross, vector_norm, unit_vector, perpendicular
+   implicit none(type, external)
+   private
+   public :: identity_quaternion, unit_tolerance, check_quaternion
+   public :: quaternion_product, quaternion_conjugate, quaternion_inverse, quaternion_norm, &
+      normalise
+   public :: rotate, rotate_back, quaternion_exp, quaternion_log
+   public :: slerp, shortest_arc, attitude_distance, attitude_angle
+
+   !> The attitude whose body axes are the space axes.
+   real(dp), parameter :: identity_quaternion(4) = [1._dp, 0._dp, 0._dp, 0._dp]
+
+   !> Input attitudes whose norm is off 1 by at most this are used as they are; beyond, they are
+   !> refused.
+   real(dp), parameter :: unit_tolerance = 1e-6_dp
+
+   real(dp), parameter :: pi = acos(-1._dp)
+
+contains
+
+   !> Refuse a quaternion that is no attitude: not finite, zero, or off unit norm by more than
+   !> `unit_tolerance`.
+   pure subroutine check_quaternion(q, error)
+      real(dp), intent(in) :: q(4)                !! attitude, scalar first
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain
+      character(160) :: text
+      real(dp) :: norm
+      if (.not. all(ieee_is_finite(q))) then
+         call raise(error, poinsot_e_domain, "quaternion: a component is not finite")
+         return
+      end if
+      norm = huge(norm)
+      if (maxval(abs(q)) < 2) norm = quaternion_norm(q)
+      if (abs(norm - 1) <= unit_tolerance) return
+      write (text, "(a, 4es14.6, a, es9.2)") "quaternion", q, &
+         " is not an attitude: its norm must be 1 to within", unit_tolerance
+      call raise(error, poinsot_e_domain, trim(text))
+   end subroutine check_quaternion
+
+   !> Hamilton's product p o q. As rotations: first q, then p.
+   pure function quaternion_product(p, q) result(r)
+      real(dp), intent(in) :: p(4) !! left factor
+      real(dp), intent(in) :: q(4) !! right factor
+      real(dp) :: r(4)
+      r(1) = p(1)*q(1) - p(2)*q(2) - p(3)*q(3) - p(4)*q(4)
+      r(2) = p(1)*q(2) + p(2)*q(1) + p(3)*q(4) - p(4)*q(3)
+      r(3) = p(1)*q(3) + p(3)*q(1) + p(4)*q(2) - p(2)*q(4)
+      r(4) = p(1)*q(4) + p(4)*q(1) + p(2)*q(3) - p(3)*q(2)
+   end function quaternion_product
+
+   !> (q0, -q1, -q2, -q3): the inverse rotation of a unit quaternion.
+   pure function quaternion_conjugate(q) result(r)
+      real(dp), intent(in) :: q(4) !! any quaternion
+      real(dp) :: r(4)
+      r = [q(1), -q(2), -q(3), -q(4)]
+   end function quaternion_conjugate
+
+   !> conjugate(q)/|q|^2 at any scale where it is representable; zero, which has no inverse, gives
+   !> zero.
+   pure function quaternion_inverse(q) result(r)
+      real(dp), intent(in) :: q(4) !! finite, |q| between 1e-307 and 1e307
+      real(dp) :: r(4)
+      real(dp) :: norm
+      norm = quaternion_norm(q)
+      r = 0
+      if (norm > 0) r = quaternion_conjugate(normalise(q))/norm
+   end function quaternion_inverse
+
+   !> |q|, without overflow or underflow of the squares.
+   pure real(dp) function quaternion_norm(q)
+      real(dp), intent(in) :: q(4) !! finite
+      quaternion_norm = vector_norm(q)
+   end function quaternion_norm
+
+   !> q/|q| at any scale. Zero, which has no direction, gives the identity: test with
+   !> `check_quaternion` where it matters.
+   pure function normalise(q) result(r)
+      real(dp), intent(in) :: q(4) !! finite
+      real(dp) :: r(4)
+      r = unit_vector(q)
+      if (maxval(abs(r)) <= 0) r = identity_quaternion
+   end function normalise
+
+   !> Body to space: Q v = q o v o conjugate(q).
+   pure function rotate(q, v) result(w)
+      real(dp), intent(in) :: q(4) !! attitude, unit
+      real(dp), intent(in) :: v(3) !! vector in the body frame
+      real(dp) :: w(3)
+      associate (e => q(2:4))
+         w = (q(1)**2 - dot_product(e, e))*v + 2*dot_product(e, v)*e + 2*q(1)*cross(e, v)
+      end associate
+   end function rotate
+
+   !> Space to body: Q^T v.
+   pure function rotate_back(q, v) result(w)
+      real(dp), intent(in) :: q(4) !! attitude, unit
+      real(dp), intent(in) :: v(3) !! vector in the space frame
+      real(dp) :: w(3)
+      w = rotate(quaternion_conjugate(q), v)
+   end function rotate_back
+
+   !> exp(q) = e**q0 (cos|v| + sin|v| v/|v|), v the vector part. A turn by the rotation vector w is
+   !> exp((0, w/2)).
+   pure function quaternion_exp(q) result(r)
+      real(dp), intent(in) :: q(4) !! finite; q0 at most 709
+      real(dp) :: r(4)
+      real(dp) :: angle
+      angle = vector_norm(q(2:4))
+      r(1) = cos(angle)
+      r(2:4) = sin(angle)*unit_vector(q(2:4))
+      r = exp(q(1))*r
+   end function quaternion_exp
+
+   !> Principal logarithm, log|q| + v/|v| atan2(|v|, q0); its vector part has length at most pi. A
+   !> negative real q takes the first axis; zero, which has no logarithm, gives (-huge, 0, 0, 0).
+   pure function quaternion_log(q) result(r)
+      real(dp), intent(in) :: q(4) !! finite
+      real(dp) :: r(4)
+      real(dp) :: norm, vector_length
+      norm = quaternion_norm(q)
+      vector_length = vector_norm(q(2:4))
+      r = [-huge(norm), 0._dp, 0._dp, 0._dp]
+      if (norm > 0) r(1) = log(norm)
+      if (vector_length > 0) then
+         r(2:4) = atan2(vector_length, q(1))*unit_vector(q(2:4))
+      else if (q(1) < 0) then
+         r(2) = pi
+      end if
+   end function quaternion_log
+
+   !> Constant turn from p (t = 0) to q (t = 1) the shorter way round, whatever the signs of p and q
+   !> (K. Shoemake, SIGGRAPH 1985). t outside [0, 1] goes on turning. The result is a unit
+   !> quaternion.
+   pure function slerp(p, q, t) result(r)
+      real(dp), intent(in) :: p(4) !! first attitude, unit
+      real(dp), intent(in) :: q(4) !! second attitude, unit
+      real(dp), intent(in) :: t    !! how far
+      real(dp) :: r(4)
+      real(dp) :: near(4), angle, sine
+      near = q
+      if (dot_product(p, q) < 0) near = -q
+      angle = 2*atan2(vector_norm(near - p), vector_norm(near + p))
+      sine = sin(angle)
+      if (sine > 1e-8_dp) then
+         r = (sin((1 - t)*angle)/sine)*p + (sin(t*angle)/sine)*near
+      else ! sin(t x)/sin(x) = t to within x**2
+         r = (1 - t)*p + t*near
+      end if
+      r = normalise(r)
+   end function slerp
+
+   !> The smallest turn that takes direction a to direction b. Opposite directions have many: then a
+   !> half-turn about `perpendicular(a)`.
+   pure subroutine shortest_arc(a, b, q, error)
+      real(dp), intent(in) :: a(3)                !! from this direction, any length but zero
+      real(dp), intent(in) :: b(3)                !! to this direction, any length but zero
+      real(dp), intent(out) :: q(4)               !! unit, scalar part not negative: rotate(q, a)
+                                                  !! points along b
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain: a vector is zero or not
+                                                  !! finite
+      real(dp) :: u(3), c(3), w(3)
+      q = identity_quaternion
+      if (.not. (all(ieee_is_finite(a)) .and. all(ieee_is_finite(b)))) then
+         call raise(error, poinsot_e_domain, "shortest_arc: a direction is not finite")
+         return
+      end if
+      if (maxval(abs(a)) <= 0 .or. maxval(abs(b)) <= 0) then
+         call raise(error, poinsot_e_domain, "shortest_arc: a zero vector has no direction")
+         return
+      end if
+      u = unit_vector(a)
+      c = u + unit_vector(b) ! |c| = 2 cos(angle/2), exact next to opposite directions
+      w = cross(u, c)        ! = u x unit(b), of length sin(angle)
+      if (vector_norm(c) > 1e-8_dp) then
+         q = normalise([dot_product(c, c)/2, w])
+      else ! c along u is mere rounding: measure by w, and keep its direction normal to u
+         q(1) = vector_norm(w)/2
+         q(2:4) = unit_vector(w)
+         if (q(1) <= 0) q(2:4) = perpendicular(u)
+         q(2:4) = q(2:4) - dot_product(q(2:4), u)*u
+         q = normalise(q)
+      end if
+   end subroutine shortest_arc
+
+   !> min(|q-p|, |q+p|): how far two attitudes differ, ignoring the sign. Half the angle between
+   !> them when small.
+   pure real(dp) function attitude_distance(p, q)
+      real(dp), intent(in) :: p(4) !! unit
+      real(dp), intent(in) :: q(4) !! unit
+      attitude_distance = min(vector_norm(q - p), vector_norm(q + p))
+   end function attitude_distance
+
+   !> Angle of the turn from one attitude to the other, in [0, pi], accurate also for tiny angles.
+   pure real(dp) function attitude_angle(p, q)
+      real(dp), intent(in) :: p(4) !! unit
+      real(dp), intent(in) :: q(4) !! unit
+      real(dp) :: apart, opposite
+      apart = vector_norm(q - p)
+      opposite = vector_norm(q + p)
+      attitude_angle = 4*atan2(min(apart, opposite), max(apart, opposite))
+   end function attitude_angle
+
+end module poinsot_rotation_quaternion

@@ -1,0 +1,108 @@
+!> Runs the test suites:  check [--deep] [SUITE [TEST]]     (--deep: the long suites too)
+!> The last line is "N passed, M failed"; the exit code is non-zero if a test failed or none ran.
+program check_poinsot
+   use, intrinsic :: iso_fortran_env, only: output_unit
+   use testdrive, only: testsuite_type, unittest_type, new_testsuite, select_suite, select_test
+   use testdrive, only: run_selected, get_argument
+   use poinsot_core_kinds, only: dp, i8
+   use test_core, only: collect_core
+   implicit none(type, external)
+
+   type(testsuite_type), allocatable :: suites(:)
+   character(:), allocatable :: suite, test
+   integer :: i, first, run, failed, skipped
+
+   suites = [ &
+      new_testsuite("core", collect_core)]
+   first = 1
+   call get_argument(first, suite)
+   if (allocated(suite)) then
+      if (suite == "--deep") then
+         first = 2
+         suites = [suites, deep_suites()]
+      end if
+   end if
+
+   run = 0
+   failed = 0
+   skipped = 0
+   call get_argument(first, suite)
+   call get_argument(first + 1, test)
+   if (.not. allocated(suite)) then
+      do i = 1, size(suites)
+         call run_suite(suites(i))
+      end do
+   else
+      i = select_suite(suites, suite)
+      if (i == 0) then
+         call list_suites()
+      else if (.not. allocated(test)) then
+         call run_suite(suites(i))
+      else
+         call run_test(suites(i), test)
+      end if
+   end if
+
+   if (skipped > 0) write (output_unit, '(i0, " skipped")') skipped
+   write (output_unit, '(i0, " passed, ", i0, " failed")') run - failed - skipped, failed
+   flush (output_unit)
+   if (run == skipped .or. failed > 0) stop 1, quiet=.true.
+
+contains
+
+   !> Suites that take long: `make check-deep`.
+   function deep_suites() result(list)
+      type(testsuite_type), allocatable :: list(:)
+      allocate (list(0))
+   end function deep_suites
+
+   !> All tests of a suite, one after the other: some of them change thread counts.
+   subroutine run_suite(this)
+      type(testsuite_type), intent(in) :: this
+      type(unittest_type), allocatable :: tests(:)
+      integer :: k
+      integer(i8) :: start, finish, rate
+      call system_clock(start, rate)
+      call this%collect(tests)
+      write (output_unit, '("# Suite ", a, ", ", i0, " tests")') this%name, size(tests)
+      do k = 1, size(tests)
+         if (select_test(tests, tests(k)%name) /= k) error stop "two tests of one name in a suite"
+         call run_test(this, tests(k)%name)
+      end do
+      call system_clock(finish)
+      write (output_unit, '("# Suite ", a, ": ", f0.1, " s")') &
+         this%name, real(finish - start, dp)/real(rate, dp)
+   end subroutine run_suite
+
+   !> One test; an unknown name lists the names and runs nothing. The framework tells failures by a
+   !> number, but skipped tests in words only, so its words pass through a scratch file.
+   subroutine run_test(this, name)
+      type(testsuite_type), intent(in) :: this
+      character(*), intent(in) :: name
+      character(1024) :: line
+      integer :: unit, stat, ios
+      open (newunit=unit, status="scratch", action="readwrite")
+      flush (output_unit)
+      stat = 0
+      call run_selected(this%collect, name, unit, stat)
+      if (stat >= 0) run = run + 1
+      failed = failed + max(stat, 0)
+      rewind (unit)
+      do
+         read (unit, '(a)', iostat=ios) line
+         if (ios /= 0) exit
+         if (index(line, "... "//name//" [SKIPPED]") > 0) skipped = skipped + 1
+         write (output_unit, '(a)') trim(line)
+      end do
+      close (unit)
+   end subroutine run_test
+
+   subroutine list_suites()
+      integer :: k
+      write (output_unit, '(3a)') "There is no suite '", suite, "'. Suites:"
+      do k = 1, size(suites)
+         write (output_unit, '(2a)') "  ", suites(k)%name
+      end do
+   end subroutine list_suites
+
+end program check_poinsot

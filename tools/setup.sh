@@ -1,0 +1,254 @@
+#!/bin/sh
+# Set-up: what is missing to build poinsot is installed, what is there is used. Says what it does.
+#
+# usage: tools/setup.sh [build | demo | lint | docs] ...
+#   build (always): Fortran compiler, LAPACK, git, fpm, test-drive;   demo: and gnuplot;   lint: fortitude;   docs: FORD
+#
+# Compiler, LAPACK, gnuplot, git and pip come from the system's own package manager (apt, dnf, brew or conda); fpm, fortitude and
+# FORD from PyPI into build/tools, so nothing of the user's Python changes; test-drive from its repository into
+# build/dependencies, or, where that does not answer, the stand-in of tools/testdrive.
+# environment: FC the Fortran compiler (gfortran), PYTHON the Python (python3), PICTURES=no a demo without gnuplot
+
+set -u
+cd "$(dirname "$0")/.." || exit 1
+
+FC=${FC:-gfortran}
+PYTHON=${PYTHON:-python3}
+fpm_version=0.12.0
+fortitude_version=0.10.0
+ford_version=7.0.13
+tools=build/tools
+test_drive=build/dependencies/test-drive
+
+say() { printf 'setup: %s\n' "$*"; }
+stop() { printf 'setup: %s\n' "$@" >&2; exit 1; }
+have() { command -v "$1" >/dev/null 2>&1; }
+
+# Run a command, for so many seconds at most.
+within() {
+   if have timeout; then timeout "$@"
+   elif have gtimeout; then gtimeout "$@"
+   else perl -e 'alarm shift; exec @ARGV or exit 127' "$@"
+   fi
+}
+
+# ---- what the system's package manager gives ----------------------------------------------------------------------
+
+scratch=$(mktemp -d) || exit 1
+trap 'rm -rf "$scratch"' EXIT
+trap 'exit 1' HUP INT TERM
+
+# Does a program that calls LAPACK and BLAS compile and link? Whether it is the compiler or the libraries is asked in turn.
+links() { "$FC" $(tools/flags.sh link) "$scratch/$1.f90" -o "$scratch/$1" $2 >"$scratch/log" 2>&1; }
+compiler_works() { have "$FC" && links plain ""; }
+lapack_works() { links lapack "-llapack -lblas"; }
+pip_works() { have "$PYTHON" && "$PYTHON" -m pip --version >/dev/null 2>&1; }
+
+printf 'end\n' >"$scratch/plain.f90"
+printf 'external :: dgesdd, ddot\ncall dgesdd()\ncall ddot()\nend\n' >"$scratch/lapack.f90"
+
+manager() {
+   for it in apt-get dnf brew; do
+      if have $it; then echo $it; return; fi
+   done
+   if have conda; then echo conda; fi
+}
+
+# The package manager's name for a need.
+package() {
+   case $1:$2 in
+   apt-get:compiler) echo gfortran libc6-dev ;;
+   apt-get:lapack)   echo liblapack-dev libblas-dev ;;
+   apt-get:gnuplot)  echo gnuplot-nox ;;
+   dnf:compiler)     echo gcc-gfortran ;;
+   dnf:lapack)       echo lapack-devel blas-devel ;;
+   brew:compiler)    echo gcc ;;
+   brew:lapack)      echo lapack ;;
+   brew:pip)         echo python ;;
+   conda:compiler)   echo gfortran ;;
+   conda:lapack)     echo liblapack blas-devel ;;
+   conda:pip)        echo python pip ;;
+   *:pip)            echo python3-pip ;;
+   *)                echo "$2" ;;
+   esac
+}
+
+describe() {
+   case $1 in
+   compiler) echo "a Fortran compiler ($FC)" ;;
+   lapack)   echo "LAPACK and BLAS, with what is needed to link them" ;;
+   pip)      echo "pip for $PYTHON" ;;
+   *)        echo "$1" ;;
+   esac
+}
+
+# Install the needs named, or stop and say what to do.
+install() {
+   for it in "$@"; do say "missing: $(describe "$it")"; done
+   case " $* " in *" compiler "*) [ "$FC" = gfortran ] || stop "FC=$FC does not work here; FC=gfortran could be installed" ;; esac
+   with=$(manager)
+   [ -n "$with" ] || stop "found no package manager that I know (apt, dnf, brew, conda): please install the above by hand, then again"
+   packages=$(for it in "$@"; do package "$with" "$it"; done | tr '\n' ' ')
+   case $with in
+   apt-get) command="apt-get install -y --no-install-recommends $packages" ;;
+   dnf)     command="dnf install -y $packages" ;;
+   brew)    command="brew install $packages" ;;
+   conda)   command="conda install -y -c conda-forge $packages" ;;
+   esac
+   as=
+   case $with in apt-get | dnf)
+      if [ "$(id -u)" -ne 0 ]; then
+         as="sudo -n"
+         if ! { have sudo && sudo -n true 2>/dev/null; }; then
+            if have conda && [ -n "${CONDA_PREFIX:-}" ]; then
+               with=conda as=
+               command="conda install -y -c conda-forge $(for it in "$@"; do package conda "$it"; done | tr '\n' ' ')"
+            else
+               stop "not permitted to install (not root, and sudo asks for a password). Please run, then again:" "   sudo $command"
+            fi
+         fi
+      fi ;;
+   esac
+   set -- $as
+   [ $with != apt-get ] || set -- "$@" env DEBIAN_FRONTEND=noninteractive
+   if [ $with = apt-get ]; then
+      say "apt-get update"
+      "$@" apt-get update -qq >"$scratch/log" 2>&1 || say "apt-get update failed, going on with the lists that are there"
+   fi
+   say "$command"
+   "$@" $command >"$scratch/log" 2>&1 || { tail -n 20 "$scratch/log" >&2; stop "the installation failed: $command"; }
+   say "installed: $packages"
+}
+
+system_needs() {
+   needs=
+   compiler_works || needs="compiler"
+   lapack_works || needs="$needs lapack"
+   have git || needs="$needs git"
+   private_fpm_needed && ! pip_works && needs="$needs pip"
+   case " $* " in *" lint "* | *" docs "*) pip_works || needs="$needs pip" ;; esac
+   case " $* " in *" demo "*) [ "${PICTURES:-yes}" = no ] || have gnuplot || needs="$needs gnuplot" ;; esac
+   [ -n "$needs" ] || return 0
+   needs=$(printf '%s\n' $needs | sort -u)
+   install $needs
+   compiler_works || { cat "$scratch/log" >&2; stop "the compiler $FC still does not work"; }
+   lapack_works || { cat "$scratch/log" >&2; stop "LAPACK still does not link with $FC"; }
+}
+
+# ---- what PyPI gives ----------------------------------------------------------------------------------------------
+
+# A package of PyPI in a folder of its own; no virtual environment needed.
+from_pypi() {
+   pip_works || stop "$PYTHON has no pip, which is needed for $2"
+   say "installing $2 from PyPI into $tools/$1"
+   rm -rf "$tools/$1" "$tools/$1.part"
+   mkdir -p "$tools"
+   PIP_USER=0 "$PYTHON" -m pip install --quiet --disable-pip-version-check --no-warn-script-location --target "$tools/$1.part" ${3:-} "$2" \
+      >"$scratch/pip.log" 2>&1 || { tail -n 20 "$scratch/pip.log" >&2; stop "pip could not install $2"; }
+   mv "$tools/$1.part" "$tools/$1"
+}
+
+# A script build/tools/bin/NAME.
+wrapper() {
+   mkdir -p "$tools/bin"
+   printf '#!/bin/sh\nhere=$(dirname "$0")/..\n%s\n' "$2" >"$tools/bin/$1.part"
+   chmod +x "$tools/bin/$1.part"
+   mv "$tools/bin/$1.part" "$tools/bin/$1"
+}
+
+# The Fortran package manager (another program is called fpm too), in the version tried or newer?
+is_fpm() {
+   "$1" --version 2>/dev/null | awk -v want=$fpm_version '
+      function number(text, part) { split(text, part, "."); return 1e6*part[1] + 1e3*part[2] + part[3] }
+      /Fortran/ { fortran = 1 }
+      $1 == "Version:" { version = number($2) }
+      END { exit !(fortran && version >= number(want)) }'
+}
+
+private_fpm_needed() { ! is_fpm "$tools/bin/fpm" && ! { have fpm && is_fpm fpm; }; }
+
+fpm_needs() {
+   is_fpm "$tools/bin/fpm" && return
+   if have fpm && is_fpm fpm; then
+      say "using fpm of the PATH: $(command -v fpm)"
+      wrapper fpm "exec '$(command -v fpm)' \"\$@\""
+      return
+   fi
+   from_pypi fpm fpm==$fpm_version "--only-binary :all:"
+   wrapper fpm 'exec "$here/fpm/fpm/fpm" "$@"'
+   is_fpm "$tools/bin/fpm" || stop "fpm of PyPI does not run on this machine; please put fpm $fpm_version or newer on the PATH"
+}
+
+fortitude_needs() {
+   [ -x $tools/bin/fortitude ] && return
+   from_pypi fortitude fortitude-lint==$fortitude_version "--only-binary :all:"
+   wrapper fortitude 'exec "$here/fortitude/bin/fortitude" "$@"'
+}
+
+ford_needs() {
+   [ -x $tools/bin/ford ] && return
+   from_pypi ford FORD==$ford_version
+   wrapper ford "PYTHONPATH=\"\$here/ford\" exec $PYTHON -m ford \"\$@\""
+}
+
+# ---- test-drive ---------------------------------------------------------------------------------------------------
+
+from_manifest() { sed -n "s/^test-drive\\.$1 *= *\"\\(.*\\)\".*/\\1/p" fpm.toml; }
+
+is_stand_in() { [ -f $test_drive/src/testdrive.f90 ] && head -n 1 $test_drive/src/testdrive.f90 | grep -q '^!> Stand-in'; }
+
+# A git repository of its own is all that fpm asks of a checkout that is already there.
+place_stand_in() {
+   rm -rf $test_drive
+   mkdir -p $test_drive
+   cp -R tools/testdrive/. $test_drive/
+   (cd $test_drive && git init -q . && git add -A &&
+      git -c user.name=poinsot -c user.email=poinsot@localhost -c commit.gpgsign=false commit -q -m "stand-in for test-drive") \
+      >"$scratch/log" 2>&1 || { cat "$scratch/log" >&2; stop "could not place the stand-in for test-drive"; }
+}
+
+clone_test_drive() {
+   url=$(from_manifest git)
+   tag=$(from_manifest tag)
+   GIT_TERMINAL_PROMPT=0 within 6 git ls-remote --exit-code "$url" "refs/tags/$tag" >/dev/null 2>&1 || return 1
+   rm -rf $test_drive
+   mkdir -p build/dependencies
+   GIT_TERMINAL_PROMPT=0 within 120 git -c advice.detachedHead=false clone -q --depth 1 --branch "$tag" "$url" $test_drive \
+      >/dev/null 2>&1
+}
+
+test_drive_needs() {
+   if is_stand_in; then
+      if ! cmp -s tools/testdrive/src/testdrive.f90 $test_drive/src/testdrive.f90; then place_stand_in; fi
+   elif ! [ -f $test_drive/fpm.toml ]; then
+      clone_test_drive || place_stand_in
+   fi
+   if is_stand_in; then
+      say "test-drive: the stand-in of tools/testdrive (its repository did not answer; 'make distclean' asks again)"
+   else
+      say "test-drive: the original, version $(sed -n 's/^version *= *"\(.*\)".*/\1/p' $test_drive/fpm.toml)"
+   fi
+}
+
+# fpm adds to an archive but takes nothing away, and its objects outlive a change of test-drive: after a source file came, went
+# or moved, the build starts anew.
+forget_old_objects() {
+   find src $test_drive/src -name '*.[fF]90' | sort >"$scratch/sources"
+   cmp -s "$scratch/sources" build/sources.txt || rm -rf build/*_????????????????
+   cp "$scratch/sources" build/sources.txt
+}
+
+# -------------------------------------------------------------------------------------------------------------------
+
+system_needs "$@"
+fpm_needs
+test_drive_needs
+forget_old_objects
+for it in "$@"; do
+   case $it in
+   lint) fortitude_needs ;;
+   docs) ford_needs ;;
+   build | demo) ;;
+   *) stop "unknown: $it (build, demo, lint, docs)" ;;
+   esac
+done

@@ -1,0 +1,58 @@
+#!/bin/sh
+# Build and run the tests in the release and in the checking profile, then those of the installed library and app.
+# The last line is "N passed, M failed" over all of them; the exit code is non-zero on a failure or when no test ran.
+#
+# usage: tools/test.sh [--deep] [SUITE [TEST]]       with a SUITE: the suites only, not the installed library
+# environment: PROFILES the profiles ("release checking"); FC, PORTABLE, EXTRA_FLAGS as in tools/flags.sh
+
+set -u
+cd "$(dirname "$0")/.." || exit 1
+fpm=build/tools/bin/fpm
+FC=${FC:-gfortran}
+export FC
+POINSOT_APP=$PWD/build/stage/bin/poinsot # for tests of the command line
+export POINSOT_APP
+passed=0 failed=0 empty=0
+mkdir -p build/log
+
+# Run a command and show what it says; add up its lines "N passed, M failed". One that stops without such a line, or with
+# an exit code that its count does not explain, is one more failure, beside the tests it reported before.
+counted() {
+   log=build/log/$1.log
+   shift
+   { "$@" 2>&1; echo $? >"$log.code"; } | tee "$log"
+   code=$(cat "$log.code")
+   set -- $(awk '
+      /^[0-9]+ passed, [0-9]+ failed$/ { passed += $1; failed += $3; open_passed = open_failed = 0; closed = 1; next }
+      / \[(PASSED|EXPECTED FAIL)\]$/ { open_passed++ }
+      / \[(FAILED|UNEXPECTED PASS)\]$/ { open_failed++ }
+      END { print passed + open_passed, failed + open_failed, closed + 0 }' "$log")
+   passed=$((passed + $1)) failed=$((failed + $2))
+   if [ "$3" = 1 ] && [ "$1$2" = 00 ]; then
+      empty=1
+   elif [ "$3" = 0 ] || { [ "$code" != 0 ] && [ "$2" = 0 ]; }; then
+      echo "stopped before its end (exit code $code), in or after the last test above: counted as one failure"
+      failed=$((failed + 1))
+   fi
+}
+
+# What the build says is shown only if it fails: warnings are the business of `make lint`.
+suites() {
+   set -- --compiler "$FC" --flag "$1" --link-flag "$(tools/flags.sh link)"
+   "$fpm" build --tests --no-prune "$@" >build/log/build 2>&1 || { cat build/log/build; return 1; }
+   "$fpm" test --no-prune ${arguments:+--target check} "$@" -- $arguments
+}
+
+arguments=$*
+for profile in ${PROFILES:-release checking}; do
+   flags=$(tools/flags.sh "$profile")
+   printf '\n=== tests, %s profile: %s\n' "$profile" "$flags"
+   counted "$profile" suites "$flags"
+done
+if [ -z "$arguments" ] && [ -x test/installed.sh ]; then
+   printf '\n=== tests of the installed library and app\n'
+   counted installed test/installed.sh
+fi
+
+printf '\n%d passed, %d failed\n' $passed $failed
+[ $failed -eq 0 ] && [ $passed -gt 0 ] && [ $empty = 0 ]
