@@ -52,7 +52,7 @@ contains
       character(:), allocatable :: row
       character(260) :: numbers
       character(24) :: number
-      write (numbers, "(10(',', es23.16e3))") q, y, kinetic, potential, kinetic + potential
+      write (numbers, "(10(',', es24.16e3))") q, y, kinetic, potential, kinetic + potential
       write (number, "(i0)") body
       row = time // "," // trim(number) // squeezed(trim(numbers))
    end function csv_row
@@ -103,7 +103,7 @@ contains
       call put(file, "Properties=id:I:1:species:S:1:pos:R:3:orientation:R:4:aspherical_shape:R:3" // &
                ":angular_momentum:R:3:energy:R:1 Time=" // text_of(t) // " pbc=""F F F""", error)
       do i = 1, size(bodies)
-         write (numbers, "(14(1x, es23.16e3))") position(:, i), q(2:4, i), q(1, i), shape(:, i), &
+         write (numbers, "(14(1x, es24.16e3))") position(:, i), q(2:4, i), q(1, i), shape(:, i), &
             y(:, i), energy(i)
          call put(file, text_of(bodies(i)) // " B" // trim(numbers), error)
          if (raised(error)) return
