@@ -88,7 +88,7 @@ contains
       call put_lines(file, [character(120) :: &
          "set arrow 1 from px(lx,ly,lz),py(lx,ly,lz) to 1.2*px(lx,ly,lz),1.2*py(lx,ly,lz) " // &
          "nohead lw 2 lc rgb '#555555' front", &
-         "set label 1 'Qy' at 1.3*px(lx,ly,lz),1.3*py(lx,ly,lz) center tc rgb '#555555' front"], &
+         "set label 1 'Qy' at 1.36*px(lx,ly,lz),1.36*py(lx,ly,lz) center tc rgb '#555555' front"], &
          error)
    end subroutine put_pole
 
@@ -148,7 +148,7 @@ contains
       call put_axis_labels(file, error)
       call put(file, "set margins 0.2,0.2,0.2,0.2", error)
       if (has_contours(scene%bodies(first_group(scene)))) then
-         call put(file, "plot [s=0:2*pi] '+' using (cos($1)):(sin($1)) with lines lc rgb " // &
+         call put(file, "plot for [k=1:1] [s=0:2*pi] '+' using (cos($1)):(sin($1)) with lines lc rgb " // &
                   "'#9a9a9a' lw 1, \", error)
          call put_contour_plots(file, error)
       else
