@@ -25,10 +25,12 @@ out := poinsot-out
 
 all: build
 
-# Without pruning: the library holds every module, not only those that the app reaches.
+# Without pruning: the library holds every module, not only those that the app reaches. Objects of the tests go when
+# a module was compiled anew: fpm compiles again what uses a changed module only if it is of the same run.
 build: setup ## set up what is missing; build library and app (into build/stage)
 	@$(fpm) install --no-prune --prefix $(stage) --compiler $(FC) --flag "$$(tools/flags.sh release)" \
 	   --link-flag "$$(tools/flags.sh link)" >build/build.log 2>&1 || { cat build/build.log; exit 1; }
+	@grep -q "up to date" build/build.log || rm -f build/*/poinsot/test_*.o build/*/poinsot/test_*.o.digest
 	@echo "built: $(stage)/bin/poinsot and $(stage)/lib/libpoinsot.a"
 
 demo: build ## build, then run the free body and the heavy top, leave pictures

@@ -5,7 +5,11 @@ program check_poinsot
    use testdrive, only: testsuite_type, unittest_type, new_testsuite, select_suite, select_test
    use testdrive, only: run_selected, get_argument
    use poinsot_core_kinds, only: dp, i8
+   use test_body, only: collect_body
    use test_core, only: collect_core
+   use test_free, only: collect_free
+   use test_oracle, only: collect_oracle
+   use test_rotation, only: collect_rotation
    implicit none(type, external)
 
    type(testsuite_type), allocatable :: suites(:)
@@ -13,7 +17,11 @@ program check_poinsot
    integer :: i, first, run, failed, skipped
 
    suites = [ &
-      new_testsuite("core", collect_core)]
+      new_testsuite("core", collect_core), &
+      new_testsuite("rotation", collect_rotation), &
+      new_testsuite("body", collect_body), &
+      new_testsuite("oracle", collect_oracle), &
+      new_testsuite("free", collect_free)]
    first = 1
    call get_argument(first, suite)
    if (allocated(suite)) then

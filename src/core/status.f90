@@ -6,7 +6,7 @@ module poinsot_core_status
    public :: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method
    public :: poinsot_e_step, poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback
    public :: poinsot_e_partial, poinsot_e_io, poinsot_e_scene, poinsot_e_cpu
-   public :: status_text
+   public :: status_text, status_texts, last_status
 
    integer, parameter :: poinsot_ok = 0
    integer, parameter :: poinsot_e_null = 1
@@ -21,8 +21,9 @@ module poinsot_core_status
    integer, parameter :: poinsot_e_io = 10
    integer, parameter :: poinsot_e_scene = 11
    integer, parameter :: poinsot_e_cpu = 12
+   integer, parameter :: last_status = 12 !! the highest of them
 
-   character(76), parameter :: texts(0:12) = [character(76) :: &
+   character(76), parameter :: status_texts(0:last_status) = [character(76) :: &
       "ok", &
       "a required pointer is NULL", &
       "a size or a stride does not fit", &
@@ -43,8 +44,8 @@ contains
    pure function status_text(code) result(text)
       integer, intent(in) :: code !! one of the poinsot_e_... values or poinsot_ok
       character(:), allocatable :: text
-      if (code >= lbound(texts, 1) .and. code <= ubound(texts, 1)) then
-         text = trim(texts(code))
+      if (code >= lbound(status_texts, 1) .and. code <= ubound(status_texts, 1)) then
+         text = trim(status_texts(code))
       else
          text = "unknown status"
       end if

@@ -6,7 +6,7 @@ module poinsot_ensemble_block
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_body_class, only: body_class
-   use poinsot_ensemble_bodies, only: body_view
+   use poinsot_ensemble_bodies, only: body_view, column
    use poinsot_ensemble_layout, only: to_native, from_native
    implicit none(type, external)
    private
@@ -22,6 +22,9 @@ module poinsot_ensemble_block
       real(dp) :: carry(lanes, 7) = 0     !! compensated sums
       integer(i8) :: id(lanes) = 0        !! number for random streams
       integer :: status(lanes) = poinsot_ok
+      logical :: compensated = .false.    !! the caller keeps a carry
+   contains
+      procedure :: refuse_values
    end type block_state
 
    real(dp), parameter :: norm_slack = 2e-6_dp   !! of |q|^2: |q| within 1e-6 of 1
@@ -62,7 +65,8 @@ contains
             b%id(l) = at(l) - 1
          end do
       end if
-      if (associated(view%carry)) then
+      b%compensated = associated(view%carry)
+      if (b%compensated) then
          b%carry = 0
          do l = 1, n
             b%carry(l, :) = view%carry(:, at(l))
@@ -75,7 +79,6 @@ contains
 
    !> Copy columns at the given places into the first n lanes.
    pure subroutine gather(from, columns, at, n, into)
-      use poinsot_ensemble_bodies, only: column
       integer, intent(in) :: columns, n, at(n)
       type(column), intent(in) :: from(columns)
       real(dp), intent(inout) :: into(lanes, columns)
@@ -125,6 +128,20 @@ contains
       end do
    end subroutine refuse
 
+   !> Numbers that come with the bodies, a torque for instance: a lane where they are not finite fails, and gets zeros.
+   pure subroutine refuse_values(b, values)
+      class(block_state), intent(inout) :: b
+      real(dp), intent(inout) :: values(:, :)   !! (lanes, components)
+      integer :: l, j
+      do j = 1, size(values, 2)
+         do l = 1, lanes
+            if (iand(transfer(values(l, j), 1_i8), exponent_bits) /= exponent_bits) cycle
+            b%status(l) = poinsot_e_domain
+            values(l, :) = 0
+         end do
+      end do
+   end subroutine refuse_values
+
    !> Momentum about an axis without inertia is refused; what rounding leaves there is dropped.
    pure subroutine refuse_axis(class, b)
       type(body_class), intent(in) :: class
@@ -143,13 +160,13 @@ contains
    end subroutine refuse_axis
 
    !> Write back the bodies that did not fail, and every status. `keep_momentum`: a variable that free motion does not change
-   !> (space-frame momentum) is left as it is, to the bit.
-   subroutine store_block(view, class, momentum, axes, keep_momentum, b)
+   !> (space-frame momentum) is left as it is, to the bit; so is `keep_attitude` by a kick.
+   subroutine store_block(view, class, momentum, axes, keep_momentum, keep_attitude, b)
       type(body_view), intent(in) :: view
       type(body_class), intent(in) :: class
       integer, intent(in) :: momentum
       real(dp), intent(in) :: axes(4)
-      logical, intent(in) :: keep_momentum
+      logical, intent(in) :: keep_momentum, keep_attitude
       type(block_state), intent(inout) :: b
       real(dp) :: p(lanes, 4), q(lanes, 4)
       integer :: l, j
@@ -170,6 +187,7 @@ contains
          end do
       end do
       do j = 1, 4
+         if (keep_attitude) exit
          do l = 1, b%n
             if (all_good .or. b%status(l) == poinsot_ok) view%q(j)%of(b%at(l)) = q(l, j)
          end do

@@ -17,6 +17,7 @@ module poinsot_ensemble_drive
    !> Something to do with a block of bodies of one class.
    type, abstract :: block_job
       logical :: keep_momentum = .false. !! the caller's momentum variable is not changed by this job
+      logical :: keep_attitude = .false. !! nor the attitude
       logical :: read_only = .false.     !! nothing is written back but statuses
    contains
       procedure(run_job), deferred :: run
@@ -25,7 +26,7 @@ module poinsot_ensemble_drive
    abstract interface
       subroutine run_job(self, class, b)
          import :: block_job, body_class, block_state
-         class(block_job), intent(in) :: self
+         class(block_job), intent(inout) :: self
          type(body_class), intent(in) :: class
          type(block_state), intent(inout) :: b
       end subroutine run_job
@@ -40,7 +41,8 @@ contains
       real(dp), intent(in) :: axes(:, :)            !! (4, classes), see plan
       integer, intent(in) :: momentum               !! momentum variable of the caller's arrays
       integer, intent(in) :: threads                !! 0: as OpenMP says
-      class(block_job), intent(in) :: job
+      class(block_job), intent(inout) :: job
+      class(block_job), allocatable :: mine          !! a thread's own copy: jobs have work space
       integer :: k, chunks, team
       logical :: failed
 
@@ -54,12 +56,16 @@ contains
             call run_chunk(view, classes, axes, momentum, job, k, failed)
          end do
       else
-         !$omp parallel do num_threads(team) schedule(static) default(none) reduction(.or.: failed) &
-         !$omp shared(view, classes, axes, momentum, job, chunks) private(k)
+         !$omp parallel num_threads(team) default(none) reduction(.or.: failed) &
+         !$omp shared(view, classes, axes, momentum, job, chunks) private(k, mine)
+         allocate (mine, source=job)
+         !$omp do schedule(static)
          do k = 1, chunks
-            call run_chunk(view, classes, axes, momentum, job, k, failed)
+            call run_chunk(view, classes, axes, momentum, mine, k, failed)
          end do
-         !$omp end parallel do
+         !$omp end do
+         deallocate (mine)
+         !$omp end parallel
       end if
       status = merge(poinsot_e_partial, poinsot_ok, failed)
    end function for_each_block
@@ -70,7 +76,7 @@ contains
       type(body_class), intent(in) :: classes(:)
       real(dp), intent(in) :: axes(:, :)
       integer, intent(in) :: momentum, k
-      class(block_job), intent(in) :: job
+      class(block_job), intent(inout) :: job
       logical, intent(inout) :: failed
       type(hand) :: h
       type(block_state) :: b
@@ -85,7 +91,8 @@ contains
          if (job%read_only) then
             call store_status(view, b)
          else
-            call store_block(view, classes(c), momentum, axes(:, c), job%keep_momentum, b)
+            call store_block(view, classes(c), momentum, axes(:, c), job%keep_momentum, &
+                             job%keep_attitude, b)
          end if
          failed = failed .or. any(b%status(1:n) /= poinsot_ok)
       end do

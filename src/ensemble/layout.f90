@@ -7,7 +7,7 @@ module poinsot_ensemble_layout
    implicit none(type, external)
    private
    public :: momentum_names, body_momentum, space_momentum, body_velocity, space_velocity, conjugate_momentum
-   public :: layout_names, layout_momentum, no_axes, to_native, from_native
+   public :: layout_names, layout_momentum, no_axes, to_native, from_native, turn_to_body
 
    integer, parameter :: body_momentum = 1      !! angular momentum, body frame
    integer, parameter :: space_momentum = 2     !! angular momentum, space frame (LAMMPS)
@@ -37,7 +37,7 @@ contains
       integer :: l, j
       logical :: turned
 
-      turned = any(axes(2:4) /= 0)
+      turned = any(abs(axes(2:4)) > 0)
       select case (momentum)
       case (space_momentum, space_velocity)
          y = p(:, 1:3)
@@ -81,7 +81,7 @@ contains
             v(:, j) = v(:, j)*class%inverse(j)
          end do
       end if
-      if (any(axes(2:4) /= 0)) then
+      if (any(abs(axes(2:4)) > 0)) then
          back = [axes(1), -axes(2:4)]
          s = spread(back, 1, lanes)
          call rotate_back(s, v)
@@ -106,6 +106,19 @@ contains
          p(:, 1:3) = v
       end select
    end subroutine from_native
+
+   !> A vector of the host, in space or in the caller's body frame, turned to the principal frame.
+   pure subroutine turn_to_body(space, axes, q, v)
+      logical, intent(in) :: space               !! it is in the space frame
+      real(dp), intent(in) :: axes(4)            !! principal axes in the caller's body frame
+      real(dp), intent(in) :: q(lanes, 4)        !! attitude of the principal frame
+      real(dp), intent(inout) :: v(lanes, 3)
+      if (space) then
+         call rotate_back(q, v)
+      else if (any(abs(axes(2:4)) > 0)) then
+         call rotate_back(spread(axes, 1, lanes), v)
+      end if
+   end subroutine turn_to_body
 
    !> v = Q^T v, lane by lane.
    pure subroutine rotate_back(q, v)

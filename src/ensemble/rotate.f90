@@ -63,7 +63,7 @@ contains
    end subroutine check_step
 
    subroutine run_rotate(self, class, b)
-      class(rotate_job), intent(in) :: self
+      class(rotate_job), intent(inout) :: self
       type(body_class), intent(in) :: class
       type(block_state), intent(inout) :: b
       integer :: k

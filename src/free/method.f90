@@ -13,7 +13,7 @@ module poinsot_free_method
    use poinsot_free_split_rotations, only: three_rotations_increment, symmetric_rotation_increment
    implicit none(type, external)
    private
-   public :: free_method, find_method, method_count, method_name, advance
+   public :: free_method, find_method, method_names, method_count, method_name, advance
 
    abstract interface
       !> A kernel: the increments of y and q of a block over h. A lane with h = 0 gets zeros; a lane that fails gets a
@@ -43,30 +43,32 @@ module poinsot_free_method
       character(64) :: about = ""                  !! one line for people
    end type free_method
 
-   integer, parameter :: registered_count = 17
+   !> Names in the order in which people see them; `registered` says what each is.
+   character(name_length), parameter :: method_names(17) = [character(name_length) :: &
+      "exact", "jacobi", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", "dmv20", &
+      "dmv22", "dmv24", "midpoint", "three-rotations", "symmetric-rotation"]
+   integer, parameter :: registered_count = size(method_names)
 
 contains
 
-   !> The registry, in the order in which people see it.
+   !> The registry: one row a method.
    pure function registered() result(methods)
       type(free_method) :: methods(registered_count)
-      character(2) :: digits
       integer :: n
-      methods(1) = free_method("exact", 0, 0, .true., exact_increment, &
+      methods(1) = free_method("", 0, 0, .true., exact_increment, &
                                "explicit exact step; substeps and Jacobi's functions by itself")
-      methods(2) = free_method("jacobi", 0, 0, .true., jacobi_increment, &
-                               "Jacobi's elliptic functions, any step")
-      do n = 0, 11
-         write (digits, "(i0)") 2*n + 2
-         methods(3 + n) = free_method("dmv"//digits, 2*n + 2, n, .true., moser_veselov_increment, &
-                                      "discrete Moser-Veselov map, preprocessed to order "//digits)
+      methods(2) = free_method("", 0, 0, .true., jacobi_increment, "Jacobi's elliptic functions, any step")
+      methods(3) = free_method("", 2, 0, .true., moser_veselov_increment, "discrete Moser-Veselov map, plain")
+      do n = 1, 11
+         methods(3 + n) = free_method("", 2*n + 2, n, .true., moser_veselov_increment, &
+                                      "discrete Moser-Veselov map, preprocessed")
       end do
-      methods(3)%about = "discrete Moser-Veselov map, plain"
-      methods(15) = free_method("midpoint", 2, 0, .true., midpoint_increment, "implicit midpoint rule")
-      methods(16) = free_method("three-rotations", 2, 0, .false., three_rotations_increment, &
+      methods(15) = free_method("", 2, 0, .true., midpoint_increment, "implicit midpoint rule")
+      methods(16) = free_method("", 2, 0, .false., three_rotations_increment, &
                                 "splitting into rotations about the axes, 3-2-1-2-3")
-      methods(17) = free_method("symmetric-rotation", 2, 0, .false., symmetric_rotation_increment, &
+      methods(17) = free_method("", 2, 0, .false., symmetric_rotation_increment, &
                                 "splitting into a symmetric body and a rotation")
+      methods%name = method_names
    end function registered
 
    !> How many methods there are.
@@ -78,11 +80,8 @@ contains
    pure function method_name(i) result(name)
       integer, intent(in) :: i
       character(:), allocatable :: name
-      type(free_method) :: methods(registered_count)
       name = ""
-      if (i < 1 .or. i > registered_count) return
-      methods = registered()
-      name = trim(methods(i)%name)
+      if (i >= 1 .and. i <= registered_count) name = trim(method_names(i))
    end function method_name
 
    !> Method by name. POINSOT_E_METHOD for an unknown one, with the list of those there are.

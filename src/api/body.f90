@@ -1,0 +1,125 @@
+!> C entry points for one kind of body: create, destroy, rotate. See include/poinsot.h.
+module poinsot_api_body
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr, c_size_t
+   use poinsot_api_text, only: from_c
+   use poinsot_body_class, only: body_class, make_class
+   use poinsot_body_inertia, only: principal_axes
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_null, poinsot_e_size
+   use poinsot_ensemble_bodies, only: body_view, view_rows
+   use poinsot_ensemble_rotate, only: rotate_bodies
+   use poinsot_free_method, only: free_method, find_method
+   implicit none(type, external)
+   private
+
+   integer(c_size_t), parameter :: most = huge(0)/8
+
+contains
+
+   !> A body class from principal moments.
+   integer(c_int) function poinsot_body_create(moments, body) bind(c) result(status)
+      type(c_ptr), value :: moments  !! const double[3]
+      type(c_ptr), value :: body     !! poinsot_body **
+      real(c_double), pointer :: m(:)
+      type(c_ptr), pointer :: handle
+      status = poinsot_e_null
+      if (.not. c_associated(body)) return
+      call c_f_pointer(body, handle)
+      handle = c_null_ptr
+      if (.not. c_associated(moments)) return
+      call c_f_pointer(moments, m, [3])
+      call create(m, handle, status)
+   end function poinsot_body_create
+
+   !> A body class from a full inertia tensor, row-major; `axes` gets the principal axes as columns, row-major.
+   integer(c_int) function poinsot_body_create_tensor(inertia, body, axes) bind(c) result(status)
+      type(c_ptr), value :: inertia  !! const double[9]
+      type(c_ptr), value :: body     !! poinsot_body **
+      type(c_ptr), value :: axes     !! double[9], may be NULL
+      real(c_double), pointer :: tensor(:, :), a(:, :)
+      type(c_ptr), pointer :: handle
+      type(poinsot_error) :: error
+      real(c_double) :: moments(3), columns(3, 3)
+      status = poinsot_e_null
+      if (.not. c_associated(body)) return
+      call c_f_pointer(body, handle)
+      handle = c_null_ptr
+      if (.not. c_associated(inertia)) return
+      call c_f_pointer(inertia, tensor, [3, 3])
+      call principal_axes(transpose(tensor), moments, columns, error)
+      status = error%code
+      if (raised(error)) return
+      call create(moments, handle, status)
+      if (status /= poinsot_ok .or. .not. c_associated(axes)) return
+      call c_f_pointer(axes, a, [3, 3])
+      a = transpose(columns)
+   end function poinsot_body_create_tensor
+
+   subroutine create(moments, handle, status)
+      real(c_double), intent(in) :: moments(3)
+      type(c_ptr), intent(inout) :: handle
+      integer(c_int), intent(out) :: status
+      type(body_class), pointer :: class
+      type(poinsot_error) :: error
+      integer :: state
+      status = poinsot_e_memory
+      allocate (class, stat=state)
+      if (state /= 0) return
+      call make_class(moments, class, error)
+      status = error%code
+      if (raised(error)) then
+         deallocate (class)
+      else
+         handle = c_loc(class)
+      end if
+   end subroutine create
+
+   !> Give a body class back, and set the handle to NULL. NULL and a NULL handle are fine.
+   subroutine poinsot_body_destroy(body) bind(c)
+      type(c_ptr), value :: body     !! poinsot_body **
+      type(c_ptr), pointer :: handle
+      type(body_class), pointer :: class
+      if (.not. c_associated(body)) return
+      call c_f_pointer(body, handle)
+      if (.not. c_associated(handle)) return
+      call c_f_pointer(handle, class)
+      deallocate (class)
+      handle = c_null_ptr
+   end subroutine poinsot_body_destroy
+
+   !> `steps` free steps of h for n bodies of one class, in place.
+   integer(c_int) function poinsot_rotate(body, method, h, steps, n, y, q, per_body) bind(c) result(status)
+      type(c_ptr), value :: body      !! const poinsot_body *
+      type(c_ptr), value :: method    !! const char *
+      real(c_double), value :: h      !! step, either sign
+      integer(c_size_t), value :: steps, n
+      type(c_ptr), value :: y, q      !! double[n][3], double[n][4]
+      type(c_ptr), value :: per_body  !! poinsot_status[n], may be NULL
+      type(body_class), pointer :: class
+      type(free_method) :: chosen
+      type(poinsot_error) :: error
+      type(body_view) :: view
+      real(c_double), pointer :: yy(:, :), qq(:, :)
+      character(:), allocatable :: name
+
+      status = poinsot_e_null
+      if (.not. c_associated(body)) return
+      name = from_c(method)
+      if (.not. allocated(name)) return
+      if (n > 0 .and. .not. (c_associated(y) .and. c_associated(q))) return
+      call find_method(name, chosen, error)
+      status = error%code
+      if (raised(error)) return
+      status = poinsot_e_size
+      if (n < 0 .or. n > most .or. steps < 0 .or. steps > huge(0)) return
+      if (n > 0) then
+         call c_f_pointer(y, yy, [3_c_size_t, n])
+         call c_f_pointer(q, qq, [4_c_size_t, n])
+         call view_rows(yy, qq, view)
+         if (c_associated(per_body)) call c_f_pointer(per_body, view%status, [n])
+      end if
+      call c_f_pointer(body, class)
+      call rotate_bodies(class, chosen, h, int(steps), view, 0, status, error)
+   end function poinsot_rotate
+
+end module poinsot_api_body

@@ -1,0 +1,31 @@
+!> Text across the C border.
+module poinsot_api_text
+   use, intrinsic :: iso_c_binding, only: c_char, c_ptr, c_null_char, c_size_t, c_associated, c_f_pointer
+   implicit none(type, external)
+   private
+   public :: from_c, longest_text
+
+   integer, parameter :: longest_text = 65536 !! a C text is read no further than this
+
+contains
+
+   !> A C text as a Fortran one; not allocated for NULL, cut at `longest_text`.
+   function from_c(text) result(s)
+      type(c_ptr), intent(in) :: text
+      character(:), allocatable :: s
+      character(kind=c_char), pointer :: c(:)
+      integer :: n, i
+      if (.not. c_associated(text)) return
+      call c_f_pointer(text, c, [longest_text])
+      n = 0
+      do while (n < longest_text)
+         if (c(n + 1) == c_null_char) exit
+         n = n + 1
+      end do
+      allocate (character(n) :: s)
+      do i = 1, n
+         s(i:i) = c(i)
+      end do
+   end function from_c
+
+end module poinsot_api_text

@@ -1,0 +1,79 @@
+!> Linear rotational drag: the exact flow of ydot = -gamma J^-1 y, half before and half after each step.
+module poinsot_effect_drag
+   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_status, only: poinsot_e_domain
+   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_body_class, only: body_class
+   use poinsot_effect_effect, only: effect, flow_effect
+   use poinsot_effect_settings, only: setting, effect_info, number_key, get_values
+   implicit none(type, external)
+   private
+   public :: drag, describe_drag, make_drag, get_friction
+
+   !> torque = -friction_i omega_i
+   type, extends(flow_effect) :: drag
+      real(dp) :: friction(3) = 0  !! torque per angular velocity, about each principal axis
+   contains
+      procedure :: apply
+   end type drag
+
+contains
+
+   !> The registry row.
+   pure function describe_drag() result(info)
+      type(effect_info) :: info
+      info%name = "drag"
+      info%formula = "torque = -friction omega;  exact flow y_i -> exp(-friction_i h/I_i) y_i"
+      info%check = "sphere: y exp(-friction t/I); dE/dt = -omega.friction omega"
+      info%order = 2
+      info%gradient = .false.
+      info%keys = [number_key("friction", 1, 3, "required", "torque per angular velocity", &
+                              "drag, the same for all axes or per principal axis")]
+   end function describe_drag
+
+   !> A drag from checked settings.
+   subroutine make_drag(info, settings, made, error)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      class(effect), allocatable, intent(out) :: made
+      type(poinsot_error), intent(inout) :: error
+      type(drag) :: new
+      call get_friction(info, settings, new%friction, error)
+      if (.not. raised(error)) made = new
+   end subroutine make_drag
+
+   !> One friction or three, none negative; two are refused.
+   subroutine get_friction(info, settings, friction, error)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      real(dp), intent(out) :: friction(3)
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: values(:)
+      call get_values(info, settings, "friction", values)
+      friction = values(1)
+      if (size(values) == 3) friction = values
+      if (size(values) == 2 .or. any(friction < 0)) &
+         call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // "': key 'friction' " // &
+                    "takes one number or three, none negative")
+   end subroutine get_friction
+
+   !> A zero moment has 1/I = 0: its momentum, which is zero, stays.
+   subroutine apply(self, class, h, seed, id, step, half, q, y)
+      class(drag), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h
+      integer(i8), intent(in) :: seed
+      integer(i8), intent(in) :: id(lanes)
+      integer(i8), intent(in) :: step
+      integer, intent(in) :: half
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: y(lanes, 3)
+      integer :: j
+      associate (unused_1 => seed, unused_2 => id, unused_3 => step, unused_4 => half, unused_5 => q)
+      end associate
+      do j = 1, 3
+         y(:, j) = exp(-self%friction(j)*class%inverse(j)*h)*y(:, j)
+      end do
+   end subroutine apply
+
+end module poinsot_effect_drag

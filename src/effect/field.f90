@@ -1,0 +1,133 @@
+!> A dipole in a uniform field: static, rotating about an axis, or oscillating along its direction.
+module poinsot_effect_field
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_body_class, only: body_class
+   use poinsot_effect_effect, only: effect, torque_effect
+   use poinsot_effect_geometry, only: turned, add_linear_torque, add_linear_energy, &
+      add_linear_derivative
+   use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
+      get_value, get_text, get_direction
+   implicit none(type, external)
+   private
+   public :: field, describe_field, make_field
+
+   integer, parameter :: static = 0, rotating = 1, oscillating = 2
+
+   !> U = -dipole . Q^T E(t)
+   type, extends(torque_effect) :: field
+      real(dp) :: dipole(3) = 0    !! body frame
+      real(dp) :: strength(3) = 0  !! E at phase zero, in space
+      integer :: motion = static
+      real(dp) :: axis(3) = [0, 0, 1]
+      real(dp) :: frequency = 0    !! radians per time
+      real(dp) :: phase = 0        !! radians
+   contains
+      procedure :: at_time
+      procedure :: add_torque
+      procedure :: add_energy
+      procedure :: has_gradient
+      procedure :: add_derivative
+   end type field
+
+contains
+
+   !> The registry row.
+   pure function describe_field() result(info)
+      type(effect_info) :: info
+      info%name = "field"
+      info%formula = "U = -dipole.(Q^T E);  torque = dipole x (Q^T E);  E = E0, turned by W t + phase, or E0 cos"
+      info%check = "libration sqrt(dipole E/I); fast oscillating field: dipole E/(sqrt(2) I W)"
+      info%keys = [ &
+                  number_key("dipole", 3, 3, "required", "dipole moment", "dipole, body frame"), &
+                  number_key("strength", 3, 3, "required", "energy per dipole moment", "the field E0, in space"), &
+                  text_key("motion", "static", "static rotating oscillating", "how the field changes with time"), &
+                  number_key("frequency", 1, 1, "0", "radians per time", "W of a rotating or oscillating field"), &
+                  number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
+                  number_key("axis", 3, 3, "0 0 1", "direction", "axis of a rotating field, in space; normalised")]
+   end function describe_field
+
+   !> A field from checked settings.
+   subroutine make_field(info, settings, made, error)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      class(effect), allocatable, intent(out) :: made
+      type(poinsot_error), intent(inout) :: error
+      type(field) :: new
+      real(dp), allocatable :: values(:)
+      call get_values(info, settings, "dipole", values)
+      new%dipole = values
+      call get_values(info, settings, "strength", values)
+      new%strength = values
+      call get_direction(info, settings, "axis", new%axis, error)
+      if (raised(error)) return
+      new%frequency = get_value(info, settings, "frequency")
+      new%phase = get_value(info, settings, "phase")
+      select case (get_text(info, settings, "motion"))
+      case ("rotating")
+         new%motion = rotating
+      case ("oscillating")
+         new%motion = oscillating
+      case default
+         new%motion = static
+      end select
+      made = new
+   end subroutine make_field
+
+   !> The field at time t, in space.
+   pure function at_time(self, t) result(e)
+      class(field), intent(in) :: self
+      real(dp), intent(in) :: t
+      real(dp) :: e(3)
+      select case (self%motion)
+      case (rotating)
+         e = turned(self%strength, self%axis, self%frequency*t + self%phase)
+      case (oscillating)
+         e = self%strength*cos(self%frequency*t + self%phase)
+      case default
+         e = self%strength
+      end select
+   end function at_time
+
+   subroutine add_torque(self, class, t, q, g)
+      class(field), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: g(lanes, 3)
+      associate (unused => class%moments)
+      end associate
+      call add_linear_torque(self%at_time(t), -self%dipole, q, g)
+   end subroutine add_torque
+
+   subroutine add_energy(self, class, t, q, u)
+      class(field), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: u(lanes)
+      associate (unused => class%moments)
+      end associate
+      call add_linear_energy(self%at_time(t), -self%dipole, q, u)
+   end subroutine add_energy
+
+   pure logical function has_gradient(self)
+      class(field), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      has_gradient = .true.
+   end function has_gradient
+
+   subroutine add_derivative(self, class, t, q, delta, dg)
+      class(field), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(in) :: delta(lanes, 3)
+      real(dp), intent(inout) :: dg(lanes, 3)
+      associate (unused => class%moments)
+      end associate
+      call add_linear_derivative(self%at_time(t), -self%dipole, q, delta, dg)
+   end subroutine add_derivative
+
+end module poinsot_effect_field

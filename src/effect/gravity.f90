@@ -1,0 +1,95 @@
+!> Uniform gravity on a body with a fixed point: the heavy top, for any centre of mass.
+module poinsot_effect_gravity
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_body_class, only: body_class
+   use poinsot_effect_effect, only: effect, torque_effect
+   use poinsot_effect_geometry, only: add_linear_torque, add_linear_energy, add_linear_derivative
+   use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, get_value, &
+      get_direction
+   implicit none(type, external)
+   private
+   public :: gravity, describe_gravity, make_gravity
+
+   !> U = weight (Q^T up) . centre
+   type, extends(torque_effect) :: gravity
+      real(dp) :: arm(3) = 0  !! weight times centre of mass, body frame
+      real(dp) :: up(3) = 0   !! unit vector in space
+   contains
+      procedure :: add_torque
+      procedure :: add_energy
+      procedure :: has_gradient
+      procedure :: add_derivative
+   end type gravity
+
+contains
+
+   !> The registry row.
+   pure function describe_gravity() result(info)
+      type(effect_info) :: info
+      info%name = "gravity"
+      info%formula = "U = weight (Q^T up).centre;  torque = weight (Q^T up) x centre"
+      info%check = "Lagrange top: steady precession, y3, L_z, H kept; sleeping top; Kovalevskaya integral"
+      info%keys = [ &
+                  number_key("centre", 3, 3, "required", "length", "centre of mass from the fixed point, body frame"), &
+                  number_key("weight", 1, 1, "1", "force", "mass times acceleration of gravity"), &
+                  number_key("up", 3, 3, "0 0 1", "direction", "upwards, in space; normalised")]
+   end function describe_gravity
+
+   !> Gravity from checked settings.
+   subroutine make_gravity(info, settings, made, error)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      class(effect), allocatable, intent(out) :: made
+      type(poinsot_error), intent(inout) :: error
+      type(gravity) :: new
+      real(dp), allocatable :: centre(:)
+      call get_direction(info, settings, "up", new%up, error)
+      if (raised(error)) return
+      call get_values(info, settings, "centre", centre)
+      new%arm = get_value(info, settings, "weight")*centre
+      made = new
+   end subroutine make_gravity
+
+   subroutine add_torque(self, class, t, q, g)
+      class(gravity), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: g(lanes, 3)
+      associate (unused_1 => class%moments, unused_2 => t)
+      end associate
+      call add_linear_torque(self%up, self%arm, q, g)
+   end subroutine add_torque
+
+   subroutine add_energy(self, class, t, q, u)
+      class(gravity), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: u(lanes)
+      associate (unused_1 => class%moments, unused_2 => t)
+      end associate
+      call add_linear_energy(self%up, self%arm, q, u)
+   end subroutine add_energy
+
+   pure logical function has_gradient(self)
+      class(gravity), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      has_gradient = .true.
+   end function has_gradient
+
+   subroutine add_derivative(self, class, t, q, delta, dg)
+      class(gravity), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(in) :: delta(lanes, 3)
+      real(dp), intent(inout) :: dg(lanes, 3)
+      associate (unused_1 => class%moments, unused_2 => t)
+      end associate
+      call add_linear_derivative(self%up, self%arm, q, delta, dg)
+   end subroutine add_derivative
+
+end module poinsot_effect_gravity

@@ -1,0 +1,145 @@
+!> Gravity gradient on a satellite: the centre it circles is far away compared with its size.
+module poinsot_effect_gravity_gradient
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_status, only: poinsot_e_domain
+   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_body_class, only: body_class
+   use poinsot_effect_effect, only: effect, torque_effect
+   use poinsot_effect_geometry, only: turned, to_body
+   use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_value, &
+      get_text, get_direction
+   implicit none(type, external)
+   private
+   public :: gravity_gradient, describe_gravity_gradient, make_gravity_gradient
+
+   !> U = (kappa/2) n.Jn, n = Q^T rhat(t), kappa = 3 rate^2 = 3 G M/R^3
+   type, extends(torque_effect) :: gravity_gradient
+      real(dp) :: kappa = 0
+      real(dp) :: rate = 0              !! radians per time, along the orbit
+      real(dp) :: radial(3) = [1, 0, 0] !! direction of the centre (either sign) at t = 0, in space
+      real(dp) :: normal(3) = [0, 0, 1] !! of the orbit, in space
+   contains
+      procedure :: at_time
+      procedure :: add_torque
+      procedure :: add_energy
+      procedure :: has_gradient
+      procedure :: add_derivative
+   end type gravity_gradient
+
+contains
+
+   !> The registry row.
+   pure function describe_gravity_gradient() result(info)
+      type(effect_info) :: info
+      info%name = "gravity_gradient"
+      info%formula = "U = (3/2) rate^2 n.I n;  torque = 3 rate^2 n x I n;  n = Q^T radial, rate^2 = GM/R^3"
+      info%check = "pitch libration rate sqrt(3 (I_roll - I_yaw)/I_pitch)"
+      info%keys = [ &
+                  number_key("rate", 1, 1, "required", "radians per time", "mean motion sqrt(GM/R^3)"), &
+                  number_key("radial", 3, 3, "1 0 0", "direction", "to or from the centre at t = 0, in space"), &
+                  number_key("normal", 3, 3, "0 0 1", "direction", "normal of the orbit, in space, across radial"), &
+                  text_key("orbit", "circular", "circular fixed", "does the radial direction turn with the orbit?")]
+   end function describe_gravity_gradient
+
+   !> A gravity gradient from checked settings.
+   subroutine make_gravity_gradient(info, settings, made, error)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      class(effect), allocatable, intent(out) :: made
+      type(poinsot_error), intent(inout) :: error
+      type(gravity_gradient) :: new
+      call get_direction(info, settings, "radial", new%radial, error)
+      if (.not. raised(error)) call get_direction(info, settings, "normal", new%normal, error)
+      if (raised(error)) return
+      new%rate = get_value(info, settings, "rate")
+      new%kappa = 3*new%rate**2
+      if (get_text(info, settings, "orbit") == "fixed") new%rate = 0
+      if (new%rate > 0 .or. new%rate < 0) then
+         if (abs(dot_product(new%radial, new%normal)) > 1e-6_dp) then
+            call raise(error, poinsot_e_domain, "effect 'gravity_gradient': key 'normal' must be " // &
+                       "perpendicular to 'radial' on a circular orbit")
+            return
+         end if
+      end if
+      made = new
+   end subroutine make_gravity_gradient
+
+   !> The radial direction at time t, in space.
+   pure function at_time(self, t) result(e)
+      class(gravity_gradient), intent(in) :: self
+      real(dp), intent(in) :: t
+      real(dp) :: e(3)
+      e = turned(self%radial, self%normal, self%rate*t)
+   end function at_time
+
+   !> kappa n x Jn, by differences of moments: exactly zero for a sphere.
+   subroutine add_torque(self, class, t, q, g)
+      class(gravity_gradient), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: g(lanes, 3)
+      real(dp) :: n(lanes, 3), d(3)
+      integer :: i
+      d = self%kappa*differences(class)
+      if (all(abs(d) <= 0)) return
+      call to_body(self%at_time(t), q, n)
+      !$omp simd
+      do i = 1, lanes
+         g(i, 1) = g(i, 1) + d(1)*(n(i, 2)*n(i, 3))
+         g(i, 2) = g(i, 2) + d(2)*(n(i, 3)*n(i, 1))
+         g(i, 3) = g(i, 3) + d(3)*(n(i, 1)*n(i, 2))
+      end do
+   end subroutine add_torque
+
+   subroutine add_energy(self, class, t, q, u)
+      class(gravity_gradient), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: u(lanes)
+      real(dp) :: n(lanes, 3), half(3)
+      half = 0.5_dp*self%kappa*class%moments
+      call to_body(self%at_time(t), q, n)
+      u = u + (half(1)*n(:, 1)**2 + half(2)*n(:, 2)**2 + half(3)*n(:, 3)**2)
+   end subroutine add_energy
+
+   pure logical function has_gradient(self)
+      class(gravity_gradient), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      has_gradient = .true.
+   end function has_gradient
+
+   !> kappa [(n x delta) x Jn + n x J(n x delta)]
+   subroutine add_derivative(self, class, t, q, delta, dg)
+      class(gravity_gradient), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(in) :: delta(lanes, 3)
+      real(dp), intent(inout) :: dg(lanes, 3)
+      real(dp) :: n(lanes, 3), d(3), w1, w2, w3
+      integer :: i
+      d = self%kappa*differences(class)
+      if (all(abs(d) <= 0)) return
+      call to_body(self%at_time(t), q, n)
+      !$omp simd private(w1, w2, w3)
+      do i = 1, lanes
+         w1 = n(i, 2)*delta(i, 3) - n(i, 3)*delta(i, 2)
+         w2 = n(i, 3)*delta(i, 1) - n(i, 1)*delta(i, 3)
+         w3 = n(i, 1)*delta(i, 2) - n(i, 2)*delta(i, 1)
+         dg(i, 1) = dg(i, 1) + d(1)*(w2*n(i, 3) + n(i, 2)*w3)
+         dg(i, 2) = dg(i, 2) + d(2)*(w3*n(i, 1) + n(i, 3)*w1)
+         dg(i, 3) = dg(i, 3) + d(3)*(w1*n(i, 2) + n(i, 1)*w2)
+      end do
+   end subroutine add_derivative
+
+   pure function differences(class) result(d)
+      type(body_class), intent(in) :: class
+      real(dp) :: d(3)
+      d = [class%moments(3) - class%moments(2), class%moments(1) - class%moments(3), &
+           class%moments(2) - class%moments(1)]
+   end function differences
+
+end module poinsot_effect_gravity_gradient

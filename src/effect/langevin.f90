@@ -1,0 +1,99 @@
+!> Langevin thermostat: the exact Ornstein-Uhlenbeck flow on y, half before and half after each step.
+module poinsot_effect_langevin
+   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_status, only: poinsot_e_domain
+   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_body_class, only: body_class
+   use poinsot_effect_effect, only: effect, flow_effect
+   use poinsot_effect_drag, only: get_friction
+   use poinsot_effect_gaussian, only: gaussian_block
+   use poinsot_effect_settings, only: setting, effect_info, number_key, get_value
+   implicit none(type, external)
+   private
+   public :: langevin, describe_langevin, make_langevin
+
+   !> dy_i = -friction_i y_i/I_i dt + sqrt(2 kT friction_i) dW
+   type, extends(flow_effect) :: langevin
+      real(dp) :: friction(3) = 0     !! torque per angular velocity, about each principal axis
+      real(dp) :: temperature = 0     !! kT, an energy
+   contains
+      procedure :: apply
+      procedure :: only_forward
+   end type langevin
+
+contains
+
+   !> The registry row.
+   pure function describe_langevin() result(info)
+      type(effect_info) :: info
+      info%name = "langevin"
+      info%formula = "y_i -> c y_i + sqrt(kT I_i (1 - c^2)) xi,  c = exp(-friction_i h/I_i)"
+      info%check = "<y_i^2/(2 I_i)> = kT/2 on each axis, every kind of body"
+      info%order = 2
+      info%gradient = .false.
+      info%keys = [ &
+                  number_key("friction", 1, 3, "required", "torque per angular velocity", &
+                             "friction, the same for all axes or per principal axis"), &
+                  number_key("temperature", 1, 1, "required", "energy", "k T, Boltzmann's constant included")]
+   end function describe_langevin
+
+   !> A thermostat from checked settings.
+   subroutine make_langevin(info, settings, made, error)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      class(effect), allocatable, intent(out) :: made
+      type(poinsot_error), intent(inout) :: error
+      type(langevin) :: new
+      call get_friction(info, settings, new%friction, error)
+      if (raised(error)) return
+      new%temperature = get_value(info, settings, "temperature")
+      if (new%temperature < 0) then
+         call raise(error, poinsot_e_domain, "effect 'langevin': key 'temperature' must not be negative")
+         return
+      end if
+      made = new
+   end subroutine make_langevin
+
+   !> A zero moment gets neither friction nor noise.
+   subroutine apply(self, class, h, seed, id, step, half, q, y)
+      class(langevin), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h
+      integer(i8), intent(in) :: seed
+      integer(i8), intent(in) :: id(lanes)
+      integer(i8), intent(in) :: step
+      integer, intent(in) :: half
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: y(lanes, 3)
+      real(dp) :: xi(lanes, 3), x, width
+      integer :: j
+      associate (unused => q)
+      end associate
+      call gaussian_block(seed, id, step, half, xi)
+      do j = 1, 3
+         x = self%friction(j)*class%inverse(j)*h
+         width = sqrt(self%temperature*class%moments(j))*sqrt(lost(x))
+         y(:, j) = exp(-x)*y(:, j) + width*xi(:, j)
+      end do
+   end subroutine apply
+
+   !> 1 - exp(-2 x), 0 for x <= 0; without cancellation for small x.
+   pure real(dp) function lost(x)
+      real(dp), intent(in) :: x
+      lost = 0
+      if (x > 20) then
+         lost = 1
+      else if (x > 0) then
+         lost = 2*exp(-x)*sinh(x)
+      end if
+   end function lost
+
+   !> Noise has no way back.
+   pure logical function only_forward(self)
+      class(langevin), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      only_forward = .true.
+   end function only_forward
+
+end module poinsot_effect_langevin

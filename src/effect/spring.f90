@@ -1,0 +1,125 @@
+!> A spring that aligns a body axis with a direction in space, either way round.
+module poinsot_effect_spring
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_body_class, only: body_class
+   use poinsot_effect_effect, only: effect, torque_effect
+   use poinsot_effect_geometry, only: to_body
+   use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, get_direction
+   implicit none(type, external)
+   private
+   public :: spring, describe_spring, make_spring
+
+   !> U = -(stiffness/2) (axis . Q^T direction)^2
+   type, extends(torque_effect) :: spring
+      real(dp) :: stiffness = 0
+      real(dp) :: axis(3) = [0, 0, 1]       !! unit vector, body frame
+      real(dp) :: direction(3) = [0, 0, 1]  !! unit vector in space
+   contains
+      procedure :: add_torque
+      procedure :: add_energy
+      procedure :: has_gradient
+      procedure :: add_derivative
+   end type spring
+
+contains
+
+   !> The registry row.
+   pure function describe_spring() result(info)
+      type(effect_info) :: info
+      info%name = "spring"
+      info%formula = "U = -(stiffness/2) (axis.gamma)^2;  torque = stiffness (axis.gamma) axis x gamma;  gamma = Q^T direction"
+      info%check = "libration sqrt(stiffness/I)"
+      info%keys = [ &
+                  number_key("stiffness", 1, 1, "required", "energy", "strength of the spring"), &
+                  number_key("axis", 3, 3, "0 0 1", "direction", "the axis it aligns, body frame; normalised"), &
+                  number_key("direction", 3, 3, "0 0 1", "direction", "what it aligns it with, in space; normalised")]
+   end function describe_spring
+
+   !> A spring from checked settings.
+   subroutine make_spring(info, settings, made, error)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      class(effect), allocatable, intent(out) :: made
+      type(poinsot_error), intent(inout) :: error
+      type(spring) :: new
+      call get_direction(info, settings, "axis", new%axis, error)
+      if (.not. raised(error)) call get_direction(info, settings, "direction", new%direction, error)
+      if (raised(error)) return
+      new%stiffness = get_value(info, settings, "stiffness")
+      made = new
+   end subroutine make_spring
+
+   subroutine add_torque(self, class, t, q, g)
+      class(spring), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: g(lanes, 3)
+      real(dp) :: v(lanes, 3), n(3), pull
+      integer :: i
+      associate (unused_1 => class%moments, unused_2 => t)
+      end associate
+      n = self%axis
+      call to_body(self%direction, q, v)
+      !$omp simd private(pull)
+      do i = 1, lanes
+         pull = self%stiffness*(n(1)*v(i, 1) + n(2)*v(i, 2) + n(3)*v(i, 3))
+         g(i, 1) = g(i, 1) + pull*(n(2)*v(i, 3) - n(3)*v(i, 2))
+         g(i, 2) = g(i, 2) + pull*(n(3)*v(i, 1) - n(1)*v(i, 3))
+         g(i, 3) = g(i, 3) + pull*(n(1)*v(i, 2) - n(2)*v(i, 1))
+      end do
+   end subroutine add_torque
+
+   subroutine add_energy(self, class, t, q, u)
+      class(spring), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: u(lanes)
+      real(dp) :: v(lanes, 3)
+      associate (unused_1 => class%moments, unused_2 => t)
+      end associate
+      call to_body(self%direction, q, v)
+      u = u - 0.5_dp*self%stiffness*(self%axis(1)*v(:, 1) + self%axis(2)*v(:, 2) + &
+                                     self%axis(3)*v(:, 3))**2
+   end subroutine add_energy
+
+   pure logical function has_gradient(self)
+      class(spring), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      has_gradient = .true.
+   end function has_gradient
+
+   !> stiffness [(n.w) n x gamma + (n.gamma) n x w], w = gamma x delta
+   subroutine add_derivative(self, class, t, q, delta, dg)
+      class(spring), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(in) :: delta(lanes, 3)
+      real(dp), intent(inout) :: dg(lanes, 3)
+      real(dp) :: v(lanes, 3), n(3), w1, w2, w3, pull, change, m1, m2, m3
+      integer :: i
+      associate (unused_1 => class%moments, unused_2 => t)
+      end associate
+      n = self%axis
+      call to_body(self%direction, q, v)
+      !$omp simd private(w1, w2, w3, pull, change, m1, m2, m3)
+      do i = 1, lanes
+         w1 = v(i, 2)*delta(i, 3) - v(i, 3)*delta(i, 2)
+         w2 = v(i, 3)*delta(i, 1) - v(i, 1)*delta(i, 3)
+         w3 = v(i, 1)*delta(i, 2) - v(i, 2)*delta(i, 1)
+         pull = self%stiffness*(n(1)*v(i, 1) + n(2)*v(i, 2) + n(3)*v(i, 3))
+         change = self%stiffness*(n(1)*w1 + n(2)*w2 + n(3)*w3)
+         m1 = change*v(i, 1) + pull*w1
+         m2 = change*v(i, 2) + pull*w2
+         m3 = change*v(i, 3) + pull*w3
+         dg(i, 1) = dg(i, 1) + (n(2)*m3 - n(3)*m2)
+         dg(i, 2) = dg(i, 2) + (n(3)*m1 - n(1)*m3)
+         dg(i, 3) = dg(i, 3) + (n(1)*m2 - n(2)*m1)
+      end do
+   end subroutine add_derivative
+
+end module poinsot_effect_spring

@@ -1,0 +1,199 @@
+!> A prescribed torque, in the body frame or in space: constant, harmonic, or a table in time.
+module poinsot_effect_torque
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
+   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_body_class, only: body_class
+   use poinsot_effect_effect, only: effect, torque_effect
+   use poinsot_effect_geometry, only: to_body
+   use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
+      get_value, get_text, was_given
+   implicit none(type, external)
+   private
+   public :: torque, describe_torque, make_torque
+
+   !> A torque without potential: it adds no energy of its own.
+   type, extends(torque_effect) :: torque
+      logical :: in_space = .false.
+      logical :: harmonic = .false.
+      real(dp) :: value(3) = 0
+      real(dp) :: frequency = 0, phase = 0      !! radians per time, radians
+      real(dp), allocatable :: times(:)         !! (n), increasing; allocated for a table
+      real(dp), allocatable :: table(:, :)      !! (3, n)
+   contains
+      procedure :: at_time
+      procedure :: add_torque
+      procedure :: add_energy
+      procedure :: has_gradient
+      procedure :: add_derivative
+   end type torque
+
+contains
+
+   !> The registry row.
+   pure function describe_torque() result(info)
+      type(effect_info) :: info
+      info%name = "torque"
+      info%formula = "torque = value, value cos(W t + phase), or a table, linear between its times; in space: Q^T of it"
+      info%check = "in space: angular momentum L = L0 + integral of the torque"
+      info%keys = [ &
+                  number_key("value", 3, 3, "0 0 0", "torque", "the torque, or its amplitude"), &
+                  text_key("frame", "body", "body space", "the frame of value"), &
+                  number_key("frequency", 1, 1, "0", "radians per time", "W of a harmonic torque"), &
+                  number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
+                  number_key("times", 1, -1, "", "time", "times of a table, increasing; constant beyond both ends"), &
+                  number_key("table", 3, -1, "", "torque", "three numbers for each time"), &
+                  text_key("file", "", "", "scene only: file with lines of t, three torques")]
+   end function describe_torque
+
+   !> A torque from checked settings.
+   subroutine make_torque(info, settings, made, error)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      class(effect), allocatable, intent(out) :: made
+      type(poinsot_error), intent(inout) :: error
+      type(torque) :: new
+      real(dp), allocatable :: values(:)
+      call get_values(info, settings, "value", values)
+      new%value = values
+      new%in_space = get_text(info, settings, "frame") == "space"
+      new%frequency = get_value(info, settings, "frequency")
+      new%phase = get_value(info, settings, "phase")
+      new%harmonic = was_given(settings, "frequency") .or. was_given(settings, "phase")
+      if (was_given(settings, "times") .or. was_given(settings, "table")) then
+         call read_table(info, settings, new, error)
+         if (raised(error)) return
+      else if (was_given(settings, "file")) then
+         call raise(error, poinsot_e_domain, "effect 'torque': key 'file' is for scene files; " // &
+                    "give 'times' and 'table' instead")
+         return
+      end if
+      made = new
+   end subroutine make_torque
+
+   subroutine read_table(info, settings, new, error)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      type(torque), intent(inout) :: new
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: values(:)
+      integer :: n
+      if (was_given(settings, "value") .or. new%harmonic) then
+         call raise(error, poinsot_e_domain, "effect 'torque': give either a table or 'value', " // &
+                    "'frequency', 'phase', not both")
+         return
+      end if
+      call get_values(info, settings, "times", new%times)
+      call get_values(info, settings, "table", values)
+      n = size(new%times)
+      if (n == 0 .or. size(values) /= 3*n) then
+         call raise(error, poinsot_e_size, "effect 'torque': key 'table' takes three numbers for " // &
+                    "each number of 'times'")
+      else if (any(new%times(2:) <= new%times(:n - 1))) then
+         call raise(error, poinsot_e_domain, "effect 'torque': key 'times' must increase")
+      else
+         new%table = reshape(values, [3, n])
+      end if
+   end subroutine read_table
+
+   !> The torque at time t, in its own frame.
+   pure function at_time(self, t) result(value)
+      class(torque), intent(in) :: self
+      real(dp), intent(in) :: t
+      real(dp) :: value(3)
+      if (allocated(self%times)) then
+         value = interpolated(self%times, self%table, t)
+      else if (self%harmonic) then
+         value = self%value*cos(self%frequency*t + self%phase)
+      else
+         value = self%value
+      end if
+   end function at_time
+
+   pure function interpolated(times, table, t) result(value)
+      real(dp), intent(in) :: times(:), table(:, :), t
+      real(dp) :: value(3), part
+      integer :: low, high, middle
+      low = 1
+      high = size(times)
+      if (t <= times(low)) then
+         value = table(:, low)
+      else if (t >= times(high)) then
+         value = table(:, high)
+      else
+         do while (high - low > 1)
+            middle = (low + high)/2
+            if (t < times(middle)) then
+               high = middle
+            else
+               low = middle
+            end if
+         end do
+         part = (t - times(low))/(times(high) - times(low))
+         value = table(:, low) + part*(table(:, high) - table(:, low))
+      end if
+   end function interpolated
+
+   subroutine add_torque(self, class, t, q, g)
+      class(torque), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: g(lanes, 3)
+      real(dp) :: value(3), v(lanes, 3)
+      integer :: j
+      associate (unused => class%moments)
+      end associate
+      value = self%at_time(t)
+      if (self%in_space) then
+         call to_body(value, q, v)
+         g = g + v
+      else
+         do j = 1, 3
+            g(:, j) = g(:, j) + value(j)
+         end do
+      end if
+   end subroutine add_torque
+
+   subroutine add_energy(self, class, t, q, u)
+      class(torque), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(inout) :: u(lanes)
+      associate (unused_1 => self%class_index, unused_2 => class%moments, unused_3 => t, unused_4 => q, &
+                 unused_5 => u)
+      end associate
+   end subroutine add_energy
+
+   !> [U, [T, U]] of a torque without potential has the same form: the derivation uses g alone.
+   pure logical function has_gradient(self)
+      class(torque), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      has_gradient = .true.
+   end function has_gradient
+
+   !> In space: (Q^T value) x delta. In the body frame: nothing.
+   subroutine add_derivative(self, class, t, q, delta, dg)
+      class(torque), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(in) :: delta(lanes, 3)
+      real(dp), intent(inout) :: dg(lanes, 3)
+      real(dp) :: v(lanes, 3)
+      integer :: i
+      associate (unused => class%moments)
+      end associate
+      if (.not. self%in_space) return
+      call to_body(self%at_time(t), q, v)
+      !$omp simd
+      do i = 1, lanes
+         dg(i, 1) = dg(i, 1) + (v(i, 2)*delta(i, 3) - v(i, 3)*delta(i, 2))
+         dg(i, 2) = dg(i, 2) + (v(i, 3)*delta(i, 1) - v(i, 1)*delta(i, 3))
+         dg(i, 3) = dg(i, 3) + (v(i, 1)*delta(i, 2) - v(i, 2)*delta(i, 1))
+      end do
+   end subroutine add_derivative
+
+end module poinsot_effect_torque

@@ -1,0 +1,139 @@
+!> What an ensemble has: energies, momentum, degrees of freedom. Body by body, so that sums do not depend on threads.
+module poinsot_ensemble_observe
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_size
+   use poinsot_body_class, only: body_class
+   use poinsot_body_invariants, only: degrees_of_freedom
+   use poinsot_ensemble_block, only: block_state
+   use poinsot_ensemble_bodies, only: body_view
+   use poinsot_ensemble_coupled, only: coupled_energy
+   use poinsot_ensemble_drive, only: block_job, for_each_block
+   use poinsot_ensemble_layout, only: from_native, no_axes, space_momentum
+   use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
+   use poinsot_ensemble_step, only: check_ready
+   use poinsot_splitting_block_flows, only: block_flows
+   implicit none(type, external)
+   private
+   public :: body_energies, body_momenta, total_degrees_of_freedom
+
+   !> Energies of the bodies of a block.
+   type, extends(block_job) :: energy_job
+      type(block_flows), allocatable :: flows(:)
+      real(dp) :: t = 0
+      real(dp), pointer :: kinetic(:) => null(), potential(:) => null()
+   contains
+      procedure :: run => run_energy
+   end type energy_job
+
+   !> Angular momenta in the space frame.
+   type, extends(block_job) :: momentum_job
+      real(dp), pointer :: momentum(:, :) => null()
+   contains
+      procedure :: run => run_momentum
+   end type momentum_job
+
+contains
+
+   !> Kinetic and potential energy of each body at time t; what two bodies have together is shared between them. A body
+   !> that is refused has a status and zero energies.
+   subroutine body_energies(plan, view, t, kinetic, potential, status, error)
+      type(poinsot_plan), intent(in), target :: plan
+      type(body_view), intent(in) :: view
+      real(dp), intent(in) :: t
+      real(dp), intent(out), target :: kinetic(:), potential(:)   !! (n)
+      integer, intent(out) :: status
+      type(poinsot_error), intent(inout) :: error
+      type(energy_job) :: job
+      kinetic = 0
+      potential = 0
+      call check_ready(plan, view, error)
+      if (.not. raised(error) .and. (size(kinetic) < view%n .or. size(potential) < view%n)) &
+         call raise(error, poinsot_e_size, "energies: the arrays are shorter than the number of bodies")
+      status = error%code
+      if (raised(error)) return
+      if (plan%coupled) then
+         call coupled_energy(plan, view, t, kinetic, potential, error)
+         status = error%code
+         return
+      end if
+      call compose_classes(plan, plan%splitting, job%flows, error)
+      status = error%code
+      if (raised(error)) return
+      job%read_only = .true.
+      job%t = t
+      job%kinetic => kinetic
+      job%potential => potential
+      status = for_each_block(view, plan%classes, plan%axes, plan%momentum, plan%threads, job)
+   end subroutine body_energies
+
+   !> Angular momentum of each body in the space frame, (3, n).
+   subroutine body_momenta(plan, view, momentum, status, error)
+      type(poinsot_plan), intent(in) :: plan
+      type(body_view), intent(in) :: view
+      real(dp), intent(out), target :: momentum(:, :)
+      integer, intent(out) :: status
+      type(poinsot_error), intent(inout) :: error
+      type(momentum_job) :: job
+      momentum = 0
+      call check_ready(plan, view, error)
+      if (.not. raised(error) .and. (size(momentum, 1) < 3 .or. size(momentum, 2) < view%n)) &
+         call raise(error, poinsot_e_size, "momenta: the array is not (3, n)")
+      status = error%code
+      if (raised(error)) return
+      job%read_only = .true.
+      job%momentum => momentum
+      status = for_each_block(view, plan%classes, plan%axes, plan%momentum, plan%threads, job)
+   end subroutine body_momenta
+
+   !> Rotational degrees of freedom of all bodies: an axis without inertia has none.
+   integer function total_degrees_of_freedom(plan, view) result(total)
+      type(poinsot_plan), intent(in) :: plan
+      type(body_view), intent(in) :: view
+      integer :: i, c, each(size(plan%classes))
+      do c = 1, size(each)
+         each(c) = degrees_of_freedom(plan%classes(c)%moments)
+      end do
+      total = 0
+      if (.not. associated(view%body_class)) then
+         total = view%n*each(1)
+         return
+      end if
+      do i = 1, view%n
+         c = view%body_class(i) - view%first_class + 1
+         if (c >= 1 .and. c <= size(each)) total = total + each(c)
+      end do
+   end function total_degrees_of_freedom
+
+   subroutine run_energy(self, class, b)
+      class(energy_job), intent(inout) :: self
+      type(body_class), intent(in) :: class
+      type(block_state), intent(inout) :: b
+      real(dp) :: kinetic(lanes), potential(lanes)
+      integer :: l
+      associate (f => self%flows(b%class), unused => class%moments)
+         f%y = b%y
+         f%q = b%q
+         call f%energies(self%t, kinetic, potential)
+      end associate
+      do l = 1, b%n
+         if (b%status(l) /= poinsot_ok) cycle
+         self%kinetic(b%at(l)) = kinetic(l)
+         self%potential(b%at(l)) = potential(l)
+      end do
+   end subroutine run_energy
+
+   subroutine run_momentum(self, class, b)
+      class(momentum_job), intent(inout) :: self
+      type(body_class), intent(in) :: class
+      type(block_state), intent(inout) :: b
+      real(dp) :: p(lanes, 4), q(lanes, 4)
+      integer :: l
+      q = b%q
+      call from_native(space_momentum, no_axes, class, b%y, q, p)
+      do l = 1, b%n
+         if (b%status(l) == poinsot_ok) self%momentum(1:3, b%at(l)) = p(l, 1:3)
+      end do
+   end subroutine run_momentum
+
+end module poinsot_ensemble_observe

@@ -1,0 +1,57 @@
+!> Splittings by name.
+module poinsot_splitting_registry
+   use poinsot_core_status, only: poinsot_e_method
+   use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_nearest, only: nearest_name
+   use poinsot_splitting_tableaux, only: splitting, scheme_count, scheme_row
+   implicit none(type, external)
+   private
+   public :: splitting_count, splitting_name, find_splitting, achieved_order
+
+contains
+
+   !> How many splittings there are.
+   pure integer function splitting_count()
+      splitting_count = scheme_count
+   end function splitting_count
+
+   !> Name of splitting i, 1 to splitting_count; "" outside.
+   pure function splitting_name(i) result(name)
+      integer, intent(in) :: i
+      character(:), allocatable :: name
+      type(splitting) :: row
+      name = ""
+      if (i < 1 .or. i > scheme_count) return
+      row = scheme_row(i)
+      name = trim(row%name)
+   end function splitting_name
+
+   !> A splitting by name; POINSOT_E_METHOD, naming the nearest known one, if there is none of that name.
+   pure subroutine find_splitting(name, scheme, error)
+      character(*), intent(in) :: name
+      type(splitting), intent(out) :: scheme
+      type(poinsot_error), intent(inout) :: error
+      character(len(scheme%name)) :: names(scheme_count)
+      integer :: i
+      do i = 1, scheme_count
+         names(i) = splitting_name(i)
+         if (names(i) /= name) cycle
+         scheme = scheme_row(i)
+         return
+      end do
+      call raise(error, poinsot_e_method, "unknown splitting '" // trim(name) // &
+                 "'; the nearest known name is '" // nearest_name(name, names) // "'")
+   end subroutine find_splitting
+
+   !> Order that a step reaches: the least of scheme, free rotation and effects (0 in any of them: no limit).
+   pure integer function achieved_order(scheme, method, effects) result(order)
+      integer, intent(in) :: scheme      !! order of the splitting; 0 for the free rotation alone
+      integer, intent(in) :: method      !! order of the free rotation; 0 = exact
+      integer, intent(in) :: effects(:)  !! order each effect allows; 0 = any
+      integer :: limits(size(effects) + 2)
+      limits = [scheme, method, effects]
+      order = 0
+      if (any(limits > 0)) order = minval(limits, mask=limits > 0)
+   end function achieved_order
+
+end module poinsot_splitting_registry

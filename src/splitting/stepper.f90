@@ -1,0 +1,109 @@
+!> The one stepper: runs any table of rotations and kicks over any system that has them.
+module poinsot_splitting_stepper
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_splitting_tableaux, only: splitting, operation
+   implicit none(type, external)
+   private
+   public :: flows, run_steps, enter_kernel, leave_kernel
+
+   !> What a splitting composes. The torque g is a function of attitude and time only: `kick` evaluates it
+   !> when `fresh` is false, sets `fresh`, and leaves it; `drift` clears `fresh`. So the torque at the end of
+   !> a step serves the start of the next (same attitudes, same time), while the two kicks stay two sums.
+   type, abstract :: flows
+      logical :: fresh = .false.        !! is the stored torque that of the present attitudes?
+      logical :: has_outer = .false.    !! is there a flow outside the scheme (drag, thermostat)?
+      logical :: halted = .false.       !! set by a kick that cannot go on: no further flow is run
+   contains
+      procedure(drift), deferred :: drift
+      procedure(kick), deferred :: kick
+      procedure :: outer => no_outer
+   end type flows
+
+   abstract interface
+      !> Free rotation over h (any sign).
+      subroutine drift(self, h)
+         import :: flows, dp
+         class(flows), intent(inout) :: self
+         real(dp), intent(in) :: h
+      end subroutine drift
+
+      !> y += b g + c G with g and G at time t.
+      subroutine kick(self, t, b, c)
+         import :: flows, dp
+         class(flows), intent(inout) :: self
+         real(dp), intent(in) :: t
+         real(dp), intent(in) :: b   !! coefficient times h
+         real(dp), intent(in) :: c   !! coefficient times h^3; 0: no gradient is needed
+      end subroutine kick
+   end interface
+
+contains
+
+   !> Steps number first to first + steps - 1 of length h. Step k starts at t + k h, computed so and not by
+   !> adding: ten steps at once are ten calls of one step, to the bit. A torque that is fresh on entry is used:
+   !> whoever changes the state must clear the flag.
+   subroutine run_steps(scheme, system, t, h, first, steps)
+      type(splitting), intent(in) :: scheme
+      class(flows), intent(inout) :: system
+      real(dp), intent(in) :: t           !! time at which step 0 starts
+      real(dp), intent(in) :: h           !! step, any sign
+      integer(i8), intent(in) :: first    !! number of the first step
+      integer(i8), intent(in) :: steps    !! how many
+      integer(i8) :: k
+      do k = first, first + steps - 1
+         if (system%has_outer) call system%outer(0.5_dp*h, k, 0)
+         call run_operations(scheme%operations, system, t, h, k)
+         if (system%halted) return
+         if (system%has_outer) call system%outer(0.5_dp*h, k, 1)
+      end do
+   end subroutine run_steps
+
+   !> From the state to the variables of a processed kernel, before step `first`. Nothing for other schemes.
+   subroutine enter_kernel(scheme, system, t, h, first)
+      type(splitting), intent(in) :: scheme
+      class(flows), intent(inout) :: system
+      real(dp), intent(in) :: t, h
+      integer(i8), intent(in) :: first
+      system%fresh = .false.
+      call run_operations(scheme%enter, system, t, h, first)
+   end subroutine enter_kernel
+
+   !> From the variables of a processed kernel to the state, before step `first`: for output, on a copy.
+   subroutine leave_kernel(scheme, system, t, h, first)
+      type(splitting), intent(in) :: scheme
+      class(flows), intent(inout) :: system
+      real(dp), intent(in) :: t, h
+      integer(i8), intent(in) :: first
+      system%fresh = .false.
+      call run_operations(scheme%leave, system, t, h, first)
+   end subroutine leave_kernel
+
+   !> One pass through a table. A node of exactly 1 in step k and of 0 in step k + 1 give the same time.
+   subroutine run_operations(operations, system, t, h, k)
+      type(operation), intent(in) :: operations(:)
+      class(flows), intent(inout) :: system
+      real(dp), intent(in) :: t, h
+      integer(i8), intent(in) :: k
+      integer :: i
+      do i = 1, size(operations)
+         if (operations(i)%is_kick) then
+            call system%kick(t + (real(k, dp) + operations(i)%node)*h, operations(i)%b*h, &
+                             operations(i)%c*h*h*h)
+         else
+            call system%drift(operations(i)%b*h)
+         end if
+         if (system%halted) return
+      end do
+   end subroutine run_operations
+
+   !> No flow outside the scheme.
+   subroutine no_outer(self, h, step, half)
+      class(flows), intent(inout) :: self
+      real(dp), intent(in) :: h           !! half the step
+      integer(i8), intent(in) :: step
+      integer, intent(in) :: half         !! 0 before the step, 1 after it
+      associate (unused_1 => self%fresh, unused_2 => h, unused_3 => step, unused_4 => half)
+      end associate
+   end subroutine no_outer
+
+end module poinsot_splitting_stepper

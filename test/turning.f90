@@ -1,0 +1,163 @@
+!> A block under test: a body class, a method, a splitting and effects put together, and an independent judge
+!> for torques that the Taylor series of the oracle does not know.
+module test_turning
+   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_status, only: poinsot_ok
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_body_class, only: body_class, make_class
+   use poinsot_free_method, only: free_method, find_method
+   use poinsot_effect_effect, only: effect_item, torque_effect
+   use poinsot_effect_drag, only: drag
+   use poinsot_splitting_tableaux, only: splitting
+   use poinsot_splitting_registry, only: find_splitting
+   use poinsot_splitting_stepper, only: run_steps, enter_kernel, leave_kernel
+   use poinsot_splitting_block_flows, only: block_flows
+   implicit none(type, external)
+   private
+   public :: bench, set_up, place, run, run_processed, judge, product_of, rotated, rotated_back
+
+   !> Everything a block needs, in one place that stays put.
+   type :: bench
+      type(body_class) :: class
+      type(free_method) :: method
+      type(splitting) :: scheme
+      type(effect_item), allocatable :: effects(:)
+      type(block_flows) :: block
+      logical :: good = .false.
+      character(:), allocatable :: message
+   end type bench
+
+contains
+
+   !> Put a block together; `good` says whether it worked.
+   subroutine set_up(it, moments, method, scheme, effects)
+      type(bench), intent(inout), target :: it
+      real(dp), intent(in) :: moments(3)
+      character(*), intent(in) :: method, scheme
+      type(effect_item), intent(in) :: effects(:)
+      type(poinsot_error) :: error
+      type(splitting) :: asked
+      it%effects = effects
+      call make_class(moments, it%class, error)
+      if (.not. raised(error)) call find_method(method, it%method, error)
+      if (.not. raised(error)) call find_splitting(scheme, asked, error)
+      if (.not. raised(error)) call it%block%compose(it%class, 1, it%method, asked, it%effects, error)
+      it%good = .not. raised(error)
+      it%message = "set-up"
+      if (allocated(error%message)) it%message = error%message
+      if (it%good) it%scheme = it%block%scheme_for(asked)
+   end subroutine set_up
+
+   !> The same state in every lane.
+   subroutine place(it, y, q)
+      type(bench), intent(inout) :: it
+      real(dp), intent(in) :: y(3), q(4)
+      integer :: j
+      do j = 1, 3
+         it%block%y(:, j) = y(j)
+      end do
+      do j = 1, 4
+         it%block%q(:, j) = q(j)
+      end do
+      it%block%status = poinsot_ok
+      it%block%carry = 0
+   end subroutine place
+
+   !> `steps` steps from time t.
+   subroutine run(it, t, h, first, steps)
+      type(bench), intent(inout) :: it
+      real(dp), intent(in) :: t, h
+      integer, intent(in) :: first, steps
+      call run_steps(it%scheme, it%block, t, h, int(first, i8), int(steps, i8))
+   end subroutine run
+
+   !> The same from state to state, through the processor of the scheme.
+   subroutine run_processed(it, t, h, steps)
+      type(bench), intent(inout) :: it
+      real(dp), intent(in) :: t, h
+      integer, intent(in) :: steps
+      call enter_kernel(it%scheme, it%block, t, h, 0_i8)
+      call run_steps(it%scheme, it%block, t, h, 0_i8, int(steps, i8))
+      call leave_kernel(it%scheme, it%block, t, h, int(steps, i8))
+   end subroutine run_processed
+
+   !> y' = y x w + g - friction w, q' = q o (0, w)/2 with Runge and Kutta's method in every lane: knows nothing of splittings.
+   subroutine judge(it, t, h, steps)
+      type(bench), intent(inout) :: it
+      real(dp), intent(in) :: t, h
+      integer, intent(in) :: steps
+      real(dp), dimension(lanes, 7) :: x, k1, k2, k3, k4, low, add, sum
+      integer :: k
+      real(dp) :: now
+      x(:, 1:3) = it%block%y
+      x(:, 4:7) = it%block%q
+      low = 0
+      do k = 0, steps - 1
+         now = t + k*h
+         call slope(it, now, x, k1)
+         call slope(it, now + 0.5_dp*h, x + 0.5_dp*h*k1, k2)
+         call slope(it, now + 0.5_dp*h, x + 0.5_dp*h*k2, k3)
+         call slope(it, now + h, x + h*k3, k4)
+         add = h*(k1 + 2*k2 + 2*k3 + k4)/6 + low
+         sum = x + add
+         low = add - (sum - x)
+         x = sum
+      end do
+      it%block%y = x(:, 1:3)
+      it%block%q = x(:, 4:7)
+   end subroutine judge
+
+   subroutine slope(it, t, x, rate)
+      type(bench), intent(in) :: it
+      real(dp), intent(in) :: t, x(lanes, 7)
+      real(dp), intent(out) :: rate(lanes, 7)
+      real(dp) :: w(lanes, 3), g(lanes, 3), q(lanes, 4)
+      integer :: i, j
+      q = x(:, 4:7)
+      g = 0
+      do j = 1, 3
+         w(:, j) = it%class%inverse(j)*x(:, j)
+      end do
+      do i = 1, size(it%effects)
+         select type (one => it%effects(i)%it)
+         class is (torque_effect)
+            call one%add_torque(it%class, t, q, g)
+         class is (drag)
+            do j = 1, 3
+               g(:, j) = g(:, j) - one%friction(j)*w(:, j)
+            end do
+         end select
+      end do
+      rate(:, 1) = x(:, 2)*w(:, 3) - x(:, 3)*w(:, 2) + g(:, 1)
+      rate(:, 2) = x(:, 3)*w(:, 1) - x(:, 1)*w(:, 3) + g(:, 2)
+      rate(:, 3) = x(:, 1)*w(:, 2) - x(:, 2)*w(:, 1) + g(:, 3)
+      rate(:, 4) = -0.5_dp*(q(:, 2)*w(:, 1) + q(:, 3)*w(:, 2) + q(:, 4)*w(:, 3))
+      rate(:, 5) = 0.5_dp*(q(:, 1)*w(:, 1) + q(:, 3)*w(:, 3) - q(:, 4)*w(:, 2))
+      rate(:, 6) = 0.5_dp*(q(:, 1)*w(:, 2) + q(:, 4)*w(:, 1) - q(:, 2)*w(:, 3))
+      rate(:, 7) = 0.5_dp*(q(:, 1)*w(:, 3) + q(:, 2)*w(:, 2) - q(:, 3)*w(:, 1))
+   end subroutine slope
+
+   !> Quaternion product, written anew.
+   pure function product_of(a, b) result(c)
+      real(dp), intent(in) :: a(4), b(4)
+      real(dp) :: c(4)
+      c = [a(1)*b(1) - a(2)*b(2) - a(3)*b(3) - a(4)*b(4), a(1)*b(2) + a(2)*b(1) + a(3)*b(4) - a(4)*b(3), &
+           a(1)*b(3) - a(2)*b(4) + a(3)*b(1) + a(4)*b(2), a(1)*b(4) + a(2)*b(3) - a(3)*b(2) + a(4)*b(1)]
+   end function product_of
+
+   !> q v q*: body -> space.
+   pure function rotated(q, v) result(w)
+      real(dp), intent(in) :: q(4), v(3)
+      real(dp) :: w(3), p(4)
+      p = product_of(product_of(q, [0.0_dp, v]), [q(1), -q(2:4)])
+      w = p(2:4)
+   end function rotated
+
+   !> q* v q: space -> body.
+   pure function rotated_back(q, v) result(w)
+      real(dp), intent(in) :: q(4), v(3)
+      real(dp) :: w(3)
+      w = rotated([q(1), -q(2:4)], v)
+   end function rotated_back
+
+end module test_turning
