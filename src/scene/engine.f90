@@ -1,129 +1,127 @@
-!> TEMPORARY, until the plan: one thread, Strang splitting, torque effects only.
+!> A scene as a plan: its groups are the body classes, its effects the plan's, and one view of the
+!> state arrays is all a step needs.
 module poinsot_scene_engine
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_partial
-   use poinsot_body_class, only: body_class, make_class
-   use poinsot_body_invariants, only: kinetic_energy
-   use poinsot_free_method, only: free_method, find_method, advance
-   use poinsot_effect_effect, only: effect_item, torque_effect
-   use poinsot_effect_registry, only: make_effect
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_partial, status_text
+   use poinsot_ensemble_bodies, only: body_view, view_rows
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option, add_effect, make_ready
+   use poinsot_ensemble_step, only: step_bodies
+   use poinsot_ensemble_observe, only: body_energies
    use poinsot_scene_text, only: text_of
-   use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_settings, only: scene_settings, effect_setting
    use poinsot_scene_states, only: body_states
+   use poinsot_scene_turn, only: turn_effect, any_turned
    implicit none(type, external)
    private
    public :: engine, start_engine, engine_step, engine_energy
 
    !> What does not change during a run.
    type :: engine
-      type(free_method) :: method
-      type(body_class), allocatable :: classes(:)
-      type(effect_item), allocatable :: effects(:)
+      type(poinsot_plan) :: plan
    end type engine
 
 contains
 
-   !> Make it.
+   !> Make the plan. Error: whatever the plan refuses.
    subroutine start_engine(scene, this, error, method)
       type(scene_settings), intent(in) :: scene
       type(engine), intent(out) :: this
       type(poinsot_error), intent(inout) :: error
       character(*), intent(in), optional :: method !! instead of the scene's
-      integer :: i
-      if (present(method)) then
-         call find_method(method, this%method, error)
-      else
-         call find_method(scene%method, this%method, error)
-      end if
-      allocate (this%classes(size(scene%bodies)), this%effects(size(scene%effects)))
+      integer :: i, number
       do i = 1, size(scene%bodies)
-         if (.not. raised(error)) call make_class(scene%bodies(i)%moments, this%classes(i), error)
+         if (.not. raised(error)) call add_class(this%plan, scene%bodies(i)%moments, number, error)
       end do
+      if (present(method)) then
+         call set(this, "method", method, error)
+      else
+         call set(this, "method", scene%method, error)
+      end if
+      call set(this, "splitting", scene%splitting, error)
+      call set(this, "threads", text_of(scene%threads), error)
+      call set(this, "seed", text_of(scene%seed), error)
       do i = 1, size(scene%effects)
-         if (.not. raised(error)) call make_effect(scene%effects(i)%name, scene%effects(i)%settings, &
-                                                   this%effects(i)%it, error)
+         call add_to_plan(scene, scene%effects(i), this%plan, error)
       end do
+      if (.not. raised(error)) call make_ready(this%plan, error)
    end subroutine start_engine
 
-   !> `steps` steps of h from time t. Error: POINSOT_E_PARTIAL if bodies failed.
-   subroutine engine_step(this, states, t, h, first, steps, error)
-      type(engine), intent(in) :: this
-      type(body_states), intent(inout) :: states
-      real(dp), intent(in) :: t, h
-      integer(i8), intent(in) :: first, steps
+   subroutine set(this, key, value, error)
+      type(engine), intent(inout) :: this
+      character(*), intent(in) :: key, value
       type(poinsot_error), intent(inout) :: error
-      real(dp) :: y(lanes, 3), q(lanes, 4), carry(lanes, 7)
-      integer :: status(lanes), i, m, g, failed
-      integer(i8) :: k
-      failed = 0
-      associate (unused => first)
-      end associate
-      i = 1
-      do while (i <= states%n)
-         g = states%group(i)
-         m = 1
-         do while (m < lanes .and. i + m <= states%n)
-            if (states%group(i + m) /= g) exit
-            m = m + 1
-         end do
-         y = 0; q = 0; q(:, 1) = 1; carry = 0; status = poinsot_ok
-         y(:m, :) = transpose(states%y(:, i:i + m - 1))
-         q(:m, :) = transpose(states%q(:, i:i + m - 1))
-         carry(:m, :) = transpose(states%carry(:, i:i + m - 1))
-         do k = 1, steps
-            if (size(this%effects) > 0) call kick(this, g, t + (k - 1)*h, h/2, y, q)
-            call advance(this%method, this%classes(g), h, y, q, status, carry)
-            if (size(this%effects) > 0) call kick(this, g, t + k*h, h/2, y, q)
-         end do
-         states%y(:, i:i + m - 1) = transpose(y(:m, :))
-         states%q(:, i:i + m - 1) = transpose(q(:m, :))
-         states%carry(:, i:i + m - 1) = transpose(carry(:m, :))
-         failed = failed + count(status(:m) /= poinsot_ok)
-         i = i + m
+      if (.not. raised(error)) call set_option(this%plan, key, value, error)
+   end subroutine set
+
+   !> An effect into the plan. Where a group has a frame of its own, the effect's body vectors are
+   !> turned into the principal frame, for each group apart.
+   subroutine add_to_plan(scene, item, plan, error)
+      type(scene_settings), intent(in) :: scene
+      type(effect_setting), intent(in) :: item
+      type(poinsot_plan), intent(inout) :: plan
+      type(poinsot_error), intent(inout) :: error
+      type(effect_setting) :: turned
+      integer :: class
+      if (raised(error)) return
+      if (.not. any_turned(scene)) then
+         call add_effect(plan, item%name, item%settings, error)
+         return
+      end if
+      do class = 1, size(scene%bodies)
+         call turn_effect(scene, item, class, turned)
+         if (size(turned%settings) == 0) cycle ! not for this class
+         call add_effect(plan, turned%name, turned%settings, error)
+         if (raised(error)) return
       end do
-      if (failed > 0) call raise(error, poinsot_e_partial, text_of(failed) // " of " // &
-                                 text_of(states%n) // " bodies failed")
+   end subroutine add_to_plan
+
+   !> See the states as the plan does.
+   subroutine look(states, view)
+      type(body_states), intent(in), target :: states
+      type(body_view), intent(out) :: view
+      call view_rows(states%y, states%q, view)
+      view%body_class => states%group
+      view%carry => states%carry
+      view%status => states%status
+   end subroutine look
+
+   !> `steps` steps of h from time t. Error: POINSOT_E_PARTIAL if bodies failed, naming the first.
+   subroutine engine_step(this, states, t, h, first, steps, error)
+      type(engine), intent(in), target :: this
+      type(body_states), intent(inout), target :: states
+      real(dp), intent(in) :: t, h                !! time of the first step, length of each
+      integer(i8), intent(in) :: first, steps     !! number of the first step, how many
+      type(poinsot_error), intent(inout) :: error
+      type(body_view) :: view
+      integer :: status, i
+      states%status = poinsot_ok
+      call look(states, view)
+      call step_bodies(this%plan, view, t, h, first, steps, status, error)
+      if (raised(error) .or. status == poinsot_ok) return
+      do i = 1, states%n - 1
+         if (states%status(i) /= poinsot_ok) exit
+      end do
+      call raise(error, poinsot_e_partial, text_of(count(states%status /= poinsot_ok)) // " of " // &
+                 text_of(states%n) // " bodies failed between t = " // text_of(t) // " and " // &
+                 text_of(t + real(steps, dp)*h) // "; the first is body " // text_of(i) // ": " // &
+                 status_text(states%status(i)))
    end subroutine engine_step
 
-   subroutine kick(this, g, t, h, y, q)
-      type(engine), intent(in) :: this
-      integer, intent(in) :: g
-      real(dp), intent(in) :: t, h, q(lanes, 4)
-      real(dp), intent(inout) :: y(lanes, 3)
-      real(dp) :: torque(lanes, 3)
-      integer :: i
-      torque = 0
-      do i = 1, size(this%effects)
-         select type (it => this%effects(i)%it)
-         class is (torque_effect)
-            if (it%class_index == 0 .or. it%class_index == g) call it%add_torque(this%classes(g), t, q, torque)
-         end select
-      end do
-      y = y + h*torque
-   end subroutine kick
-
    !> Energies of all bodies at time t.
-   subroutine engine_energy(this, states, t, kinetic, potential)
-      type(engine), intent(in) :: this
-      type(body_states), intent(in) :: states
+   subroutine engine_energy(this, states, t, kinetic, potential, error)
+      type(engine), intent(in), target :: this
+      type(body_states), intent(inout), target :: states
       real(dp), intent(in) :: t
-      real(dp), intent(out) :: kinetic(:), potential(:)
-      real(dp) :: q(lanes, 4), u(lanes)
-      integer :: i, j
-      do i = 1, states%n
-         kinetic(i) = kinetic_energy(this%classes(states%group(i))%moments, states%y(:, i))
-         q = spread(states%q(:, i), 1, lanes)
-         u = 0
-         do j = 1, size(this%effects)
-            select type (it => this%effects(j)%it)
-            class is (torque_effect)
-               if (it%class_index == 0 .or. it%class_index == states%group(i)) &
-                  call it%add_energy(this%classes(states%group(i)), t, q, u)
-            end select
-         end do
-         potential(i) = u(1)
-      end do
+      real(dp), intent(out) :: kinetic(:), potential(:)   !! (n)
+      type(poinsot_error), intent(inout) :: error
+      type(body_view) :: view
+      integer :: status
+      states%status = poinsot_ok
+      call look(states, view)
+      call body_energies(this%plan, view, t, kinetic, potential, status, error)
+      if (status /= poinsot_ok .and. .not. raised(error)) &
+         call raise(error, poinsot_e_partial, "some bodies have no energy at t = " // text_of(t))
    end subroutine engine_energy
 
 end module poinsot_scene_engine

@@ -2,6 +2,7 @@
 module poinsot_scene_names
    use poinsot_effect_settings, only: effect_info
    use poinsot_effect_registry, only: effect_count, describe_effect
+   use poinsot_splitting_registry, only: splitting_count, splitting_name
    use poinsot_free_method, only: method_count, method_name
    implicit none(type, external)
    private
@@ -24,9 +25,12 @@ contains
    !> Names of all splittings, and `auto`.
    subroutine splitting_list(names)
       character(24), allocatable, intent(out) :: names(:)
-      allocate (names(12))
-      names = [character(24) :: "strang", "forest-ruth", "suzuki4", "yoshida6", "mclachlan4", &
-               "srkn4", "srkn6", "chin4", "omelyan4", "omelyan6", "omelyan8", "auto"]
+      integer :: i
+      allocate (names(splitting_count() + 1))
+      do i = 1, splitting_count()
+         names(i) = splitting_name(i)
+      end do
+      names(splitting_count() + 1) = "auto"
    end subroutine splitting_list
 
    !> Every effect a scene can hold, with its keys.

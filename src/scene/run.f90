@@ -18,7 +18,7 @@ module poinsot_scene_run
    use poinsot_scene_watch, only: run_watch
    implicit none(type, external)
    private
-   public :: run_scene
+   public :: run_scene, check_scene
 
    real(dp), parameter :: chunk = 2e6_dp !! body-steps between two looks at the watch
    real(dp), parameter :: near = 1e-12_dp
@@ -79,6 +79,14 @@ contains
       if (raised(closing) .and. .not. raised(error)) error = closing
    end subroutine run_scene
 
+   !> Can the scene be run? Makes the plan, runs nothing. Error: whatever the plan refuses.
+   subroutine check_scene(scene, error)
+      type(scene_settings), intent(in) :: scene
+      type(poinsot_error), intent(inout) :: error
+      type(engine) :: trial
+      call start_engine(scene, trial, error)
+   end subroutine check_scene
+
    !> Folder, states, engine, first frame.
    subroutine prepare(scene, out, run, report, error)
       type(scene_settings), intent(in) :: scene
@@ -96,7 +104,8 @@ contains
       allocate (run%kinetic(run%states%n), run%potential(run%states%n), stat=code)
       if (code == 0 .and. body_total(scene) <= 1000) run%begin = run%states
       if (code == 0) then
-         call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential)
+         call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
+         if (raised(error)) return
          call start_drift(run%states, run%kinetic, run%potential, report%drift, code)
       end if
       if (code /= 0) then
@@ -263,7 +272,8 @@ contains
       type(run_state), intent(inout) :: run
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
-      call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential)
+      call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
+      if (raised(error)) return
       call follow_drift(run%states, run%kinetic, run%potential, report%drift)
       call write_frame(run%frames, scene, run%t, run%states, run%kinetic, run%potential, error)
       report%outputs = report%outputs + 1

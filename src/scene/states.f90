@@ -1,5 +1,6 @@
 !> The bodies of a run as plain arrays: where they begin, and how they look in the scene's own frame.
 module poinsot_scene_states
+   use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_core_kinds, only: dp, i4, i8
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_e_memory
@@ -15,7 +16,8 @@ module poinsot_scene_states
    !> State of all bodies, in the principal frame.
    type :: body_states
       integer :: n = 0
-      integer, allocatable :: group(:)      !! (n): which &bodies group, from 1
+      integer(c_int), allocatable :: group(:)  !! (n): which &bodies group, from 1
+      integer(c_int), allocatable :: status(:) !! (n): of the last call
       real(dp), allocatable :: y(:, :)      !! (3, n)
       real(dp), allocatable :: q(:, :)      !! (4, n)
       real(dp), allocatable :: carry(:, :)  !! (7, n): compensated sums
@@ -31,7 +33,8 @@ contains
       type(poinsot_error), intent(inout) :: error
       integer :: i, n, code, last
       n = int(body_total(scene))
-      allocate (states%group(n), states%y(3, n), states%q(4, n), states%carry(7, n), stat=code)
+      allocate (states%group(n), states%y(3, n), states%q(4, n), states%carry(7, n), &
+                states%status(n), stat=code)
       if (code /= 0) then
          call raise(error, poinsot_e_memory, scene%file // ": no memory for " // text_of(n) // &
                     " bodies")
@@ -39,6 +42,7 @@ contains
       end if
       states%n = n
       states%carry = 0
+      states%status = 0
       last = 0
       do i = 1, size(scene%bodies)
          call fill(scene%bodies(i), i, scene%seed, last, states)
