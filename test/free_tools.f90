@@ -42,7 +42,7 @@ module test_free_tools
 contains
 
    !> `steps` steps of one body, alone in its block (or in the place `lane`).
-   subroutine turn_body(name, moments, h, steps, y, q, status, lane, compensate)
+   subroutine turn_body(name, moments, h, steps, y, q, status, lane, compensate, physical)
       character(*), intent(in) :: name
       real(dp), intent(in) :: moments(3), h
       integer, intent(in) :: steps
@@ -50,12 +50,13 @@ contains
       integer, intent(out) :: status             !! of the body, or of the refusing call
       integer, intent(in), optional :: lane
       logical, intent(in), optional :: compensate
+      logical, intent(in), optional :: physical  !! .false.: moments that break the triangle inequality
       type(free_method) :: method
       type(body_class) :: class
       type(poinsot_error) :: error
       real(dp) :: yb(lanes, 3), qb(lanes, 4), carry(lanes, 7)
       integer :: sb(lanes), i, l
-      call prepare(name, moments, method, class, error)
+      call prepare(name, moments, method, class, error, physical)
       status = error%code
       if (raised(error)) return
       l = 1
@@ -77,15 +78,16 @@ contains
    end subroutine turn_body
 
    !> Method and class by name and moments.
-   subroutine prepare(name, moments, method, class, error)
+   subroutine prepare(name, moments, method, class, error, physical)
       character(*), intent(in) :: name
       real(dp), intent(in) :: moments(3)
       type(free_method), intent(out) :: method
       type(body_class), intent(out) :: class
       type(poinsot_error), intent(inout) :: error
+      logical, intent(in), optional :: physical
       call find_method(trim(name), method, error)
       if (raised(error)) return
-      call make_class(moments, class, error)
+      call make_class(moments, class, error, physical)
    end subroutine prepare
 
    subroutine rest_block(y, q, status)

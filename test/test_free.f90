@@ -234,7 +234,7 @@ contains
       do k = 1, size(names)
          y = motion%y
          q = [1, 0, 0, 0]
-         call turn_body(names(k), motion%moments, motion%h, steps, y, q, status)
+         call turn_body(names(k), motion%moments, motion%h, steps, y, q, status, physical=.false.)
          call check(error, status, poinsot_ok, names(k)//" refuses: "//source)
          if (allocated(error)) return
          allowed = max(motion%digits, 1.0e-17_dp*steps)

@@ -1,5 +1,5 @@
-!> A block under test: a body class, a method, a splitting and effects put together, and an independent judge
-!> for torques that the Taylor series of the oracle does not know.
+!> A block under test: a body class, a method, a splitting and effects put together, and an
+!> independent judge for torques that the Taylor series of the oracle does not know.
 module test_turning
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok
@@ -41,7 +41,8 @@ contains
       call make_class(moments, it%class, error)
       if (.not. raised(error)) call find_method(method, it%method, error)
       if (.not. raised(error)) call find_splitting(scheme, asked, error)
-      if (.not. raised(error)) call it%block%compose(it%class, 1, it%method, asked, it%effects, error)
+      if (.not. raised(error)) call it%block%compose(it%class, 1, it%method, asked, it%effects, &
+         error)
       it%good = .not. raised(error)
       it%message = "set-up"
       if (allocated(error%message)) it%message = error%message
@@ -81,7 +82,8 @@ contains
       call leave_kernel(it%scheme, it%block, t, h, int(steps, i8))
    end subroutine run_processed
 
-   !> y' = y x w + g - friction w, q' = q o (0, w)/2 with Runge and Kutta's method in every lane: knows nothing of splittings.
+   !> y' = y x w + g - friction w, q' = q o (0, w)/2 with Runge and Kutta's method in every lane:
+   !> knows nothing of splittings.
    subroutine judge(it, t, h, steps)
       type(bench), intent(inout) :: it
       real(dp), intent(in) :: t, h
@@ -141,8 +143,10 @@ contains
    pure function product_of(a, b) result(c)
       real(dp), intent(in) :: a(4), b(4)
       real(dp) :: c(4)
-      c = [a(1)*b(1) - a(2)*b(2) - a(3)*b(3) - a(4)*b(4), a(1)*b(2) + a(2)*b(1) + a(3)*b(4) - a(4)*b(3), &
-           a(1)*b(3) - a(2)*b(4) + a(3)*b(1) + a(4)*b(2), a(1)*b(4) + a(2)*b(3) - a(3)*b(2) + a(4)*b(1)]
+      c = [a(1)*b(1) - a(2)*b(2) - a(3)*b(3) - a(4)*b(4), a(1)*b(2) + a(2)*b(1) + a(3)*b(4) &
+         - a(4)*b(3), &
+           a(1)*b(3) - a(2)*b(4) + a(3)*b(1) + a(4)*b(2), a(1)*b(4) + a(2)*b(3) - a(3)*b(2) + &
+           a(4)*b(1)]
    end function product_of
 
    !> q v q*: body -> space.

@@ -8,7 +8,7 @@ module poinsot_body_class
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_body_moments, only: check_moments
+   use poinsot_body_moments, only: check_moments, moment_tolerance
    use poinsot_body_series, only: max_degree, degree_bound, correction_series
    use poinsot_body_universal, only: universal_bound
    implicit none(type, external)
@@ -42,13 +42,16 @@ module poinsot_body_class
 contains
 
    !> Work out a body class. POINSOT_E_DOMAIN if the moments are not finite, negative or unphysical.
-   pure subroutine make_class(moments, class, error)
+   !> With `physical = .false.` moments that no mass has (the largest above the sum of the others) are taken all the same:
+   !> Euler's equations have them, and so do published examples.
+   pure subroutine make_class(moments, class, error, physical)
       real(dp), intent(in) :: moments(3)         !! principal moments, any order, any unit
       type(body_class), intent(out) :: class     !! constants for the kernels
       type(poinsot_error), intent(inout) :: error !! which moment is wrong, and why
+      logical, intent(in), optional :: physical   !! default .true.
       real(dp) :: i1, i2, i3
 
-      call check_moments(moments, error)
+      call check_moments(moments, error, physical)
       if (raised(error)) return
       class%moments = moments
       class%inverse = 0
@@ -60,7 +63,7 @@ contains
       i2 = class%sorted(2)
       i3 = class%sorted(3)
       class%a = [ratio(i3 - i2, i1), ratio(i3 - i1, i2), ratio(i2 - i1, i3)]
-      class%a = min(class%a, 1.0_dp)
+      if (i3 <= (i1 + i2)*(1 + moment_tolerance)) class%a = min(class%a, 1.0_dp)
       if (i3 > i1) then
          class%theta = (i3 - i2)/(i3 - i1)
          class%k1 = ratio(class%theta, i1)*i2

@@ -31,10 +31,14 @@ module poinsot_body_moments
 contains
 
    !> Refuse moments that no rigid body has. Names the moment and the reason.
-   pure subroutine check_moments(moments, error)
+   pure subroutine check_moments(moments, error, physical)
       real(dp), intent(in) :: moments(3)          !! principal moments, any order, any unit
       type(poinsot_error), intent(inout) :: error !! poinsot_e_domain
+      logical, intent(in), optional :: physical   !! .false.: do without the triangle inequality
       integer :: i, order(3)
+      logical :: triangle
+      triangle = .true.
+      if (present(physical)) triangle = physical
       do i = 1, 3
          if (.not. ieee_is_finite(moments(i))) then
             call refuse(moments, i, error, "is not finite")
@@ -60,7 +64,7 @@ contains
          else if (middle <= 0) then
             call refuse(moments, i, error, &
                "is the only one that is not zero; a linear body has two equal ones")
-         else if (large - middle > small + moment_tolerance*large) then
+         else if (triangle .and. large - middle > small + moment_tolerance*large) then
             call refuse(moments, i, error, "exceeds the sum of the other two; no mass is spread so")
          end if
       end associate

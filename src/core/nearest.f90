@@ -22,7 +22,8 @@ contains
       end do
    end function nearest_name
 
-   !> Least number of letters to insert, delete or replace (Levenshtein 1966); case and trailing blanks do not count.
+   !> Least number of letters to insert, delete or replace (Levenshtein 1966); case and trailing
+   !> blanks do not count.
    pure integer function edit_distance(a, b) result(distance)
       character(*), intent(in) :: a, b
       integer :: row(0:len_trim(b)), i, j, diagonal, above
@@ -32,7 +33,8 @@ contains
          row(0) = i
          do j = 1, len_trim(b)
             above = row(j)
-            row(j) = min(above + 1, row(j - 1) + 1, diagonal + merge(0, 1, same_letter(a(i:i), b(j:j))))
+            row(j) = min(above + 1, row(j - 1) + 1, diagonal + merge(0, 1, same_letter(a(i:i), &
+               b(j:j))))
             diagonal = above
          end do
       end do

@@ -1,8 +1,9 @@
 !> A user's own torque: extend one of two types and give one procedure for one body.
 !>
 !> `user_torque`: the body torque itself. `user_potential`: U and dU/dQ (3 x 3); the body torque is
-!> -rot(Q^T dU/dQ), equation (8) of the review. Whoever wants whole blocks extends torque_effect instead.
-!> A scheme with a force gradient needs `add_derivative` and `has_gradient`, which a user may override.
+!> -rot(Q^T dU/dQ), equation (8) of the review. Whoever wants whole blocks extends torque_effect
+!> instead. A scheme with a force gradient needs `add_derivative` and `has_gradient`, which a user
+!> may override.
 module poinsot_effect_callback
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
@@ -31,6 +32,7 @@ module poinsot_effect_callback
    abstract interface
       subroutine evaluate_torque(self, t, q, torque, energy)
          import :: user_torque, dp
+         implicit none(type, external)
          class(user_torque), intent(in) :: self
          real(dp), intent(in) :: t             !! time
          real(dp), intent(in) :: q(4)          !! attitude, scalar first, body -> space
@@ -40,6 +42,7 @@ module poinsot_effect_callback
 
       subroutine evaluate_potential(self, t, attitude, energy, gradient)
          import :: user_potential, dp
+         implicit none(type, external)
          class(user_potential), intent(in) :: self
          real(dp), intent(in) :: t
          real(dp), intent(in) :: attitude(3, 3)   !! Q: x_space = matmul(Q, x_body)

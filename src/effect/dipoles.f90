@@ -1,4 +1,5 @@
-!> Point dipoles at fixed positions: every pair turns both. For moderate numbers of bodies (cost n^2).
+!> Point dipoles at fixed positions: every pair turns both. For moderate numbers of bodies (cost
+!> n^2).
 module poinsot_effect_dipoles
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
@@ -14,7 +15,7 @@ module poinsot_effect_dipoles
    !> U = -(1/2) sum_i m_i . E_i,  E_i = coupling sum_j [3 r (r.m_j)/r^2 - m_j]/r^3,  m = Q dipole
    type, extends(pair_effect) :: dipoles
       real(dp) :: coupling = 1
-      real(dp), allocatable :: dipole(:, :)      !! (3, 1) for all classes, or (3, classes); body frame
+      real(dp), allocatable :: dipole(:, :) !! (3, 1) for all classes, or (3, classes); body frame
       real(dp), allocatable :: positions(:, :)   !! (3, bodies); not allocated: a chain
       real(dp) :: link(3) = 0                    !! from one body of a chain to the next
    contains
@@ -34,14 +35,19 @@ contains
       type(effect_info) :: info
       info%name = "dipoles"
       info%formula = "U = C sum_(i<j) [m_i.m_j - 3 (m_i.r)(m_j.r)/r^2]/r^3,  m = Q dipole"
-      info%check = "two head to tail, C = coupling m^2: w^2 = C/(I r^3) and 3 C/(I r^3); L along r kept"
-      info%keys = [ &
+      info%check = "two head to tail, C = coupling m^2: w^2 = C/(I r^3), 3 C/(I r^3); &
+                   &L along r kept"
+      allocate (info%keys, source=[ &
                   number_key("dipole", 3, -1, "required", "dipole moment", &
                              "dipole in the body frame: three numbers, or three per body class"), &
-                  number_key("coupling", 1, 1, "1", "energy length^3/dipole^2", "C, e.g. 1/(4 pi eps0)"), &
-                  number_key("positions", 3, -1, "", "length", "three numbers per body, in the order of bodies"), &
-                  number_key("spacing", 1, 1, "1", "length", "without positions: distance along a chain"), &
-                  number_key("axis", 3, 3, "1 0 0", "direction", "without positions: direction of the chain")]
+                  number_key("coupling", 1, 1, "1", "energy length^3/dipole^2", &
+                  "C, e.g. 1/(4 pi eps0)"), &
+                  number_key("positions", 3, -1, "", "length", &
+                  "three numbers per body, in the order of bodies"), &
+                  number_key("spacing", 1, 1, "1", "length", &
+                  "without positions: distance along a chain"), &
+                  number_key("axis", 3, 3, "1 0 0", "direction", &
+                  "without positions: direction of the chain")])
    end function describe_dipoles
 
    !> Dipoles from checked settings.
@@ -55,7 +61,8 @@ contains
       real(dp) :: axis(3), spacing
       call get_values(info, settings, "dipole", values)
       if (mod(size(values), 3) /= 0) then
-         call raise(error, poinsot_e_size, "effect 'dipoles': key 'dipole' takes three numbers per class")
+         call raise(error, poinsot_e_size, &
+            "effect 'dipoles': key 'dipole' takes three numbers per class")
          return
       end if
       new%dipole = reshape(values, [3, size(values)/3])
@@ -80,14 +87,16 @@ contains
       integer :: i, j, n
       n = size(values)/3
       if (mod(size(values), 3) /= 0) then
-         call raise(error, poinsot_e_size, "effect 'dipoles': key 'positions' takes three numbers per body")
+         call raise(error, poinsot_e_size, &
+            "effect 'dipoles': key 'positions' takes three numbers per body")
          return
       end if
       new%positions = reshape(values, [3, n])
       do i = 2, n
          do j = 1, i - 1
             if (norm2(new%positions(:, i) - new%positions(:, j)) > 0) cycle
-            call raise(error, poinsot_e_domain, "effect 'dipoles': two bodies have the same position")
+            call raise(error, poinsot_e_domain, &
+               "effect 'dipoles': two bodies have the same position")
             return
          end do
       end do
@@ -181,7 +190,8 @@ contains
       call add_cross(dipole_of(self, number), w, dg)
    end subroutine add_derivative
 
-   !> Field of all dipoles at the place of every lane, its own left out; summed in the order of bodies.
+   !> Field of all dipoles at the place of every lane, its own left out; summed in the order of
+   !> bodies.
    subroutine field_at(self, body, sources, e)
       class(dipoles), intent(in) :: self
       integer, intent(in) :: body(lanes)

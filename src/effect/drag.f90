@@ -1,4 +1,5 @@
-!> Linear rotational drag: the exact flow of ydot = -gamma J^-1 y, half before and half after each step.
+!> Linear rotational drag: the exact flow of ydot = -gamma J^-1 y, half before and half after each
+!> step.
 module poinsot_effect_drag
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_e_domain
@@ -27,8 +28,9 @@ contains
       info%check = "sphere: y exp(-friction t/I); dE/dt = -omega.friction omega"
       info%order = 2
       info%gradient = .false.
-      info%keys = [number_key("friction", 1, 3, "required", "torque per angular velocity", &
-                              "drag, the same for all axes or per principal axis")]
+      allocate (info%keys, source=[ &
+                number_key("friction", 1, 3, "required", "torque per angular velocity", &
+                           "drag, the same for all axes or per principal axis")])
    end function describe_drag
 
    !> A drag from checked settings.
@@ -52,9 +54,10 @@ contains
       call get_values(info, settings, "friction", values)
       friction = values(1)
       if (size(values) == 3) friction = values
-      if (size(values) == 2 .or. any(friction < 0)) &
-         call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // "': key 'friction' " // &
-                    "takes one number or three, none negative")
+      if (size(values) == 2 .or. any(friction < 0)) then
+         call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // &
+                    "': key 'friction' takes one number or three, none negative")
+      end if
    end subroutine get_friction
 
    !> A zero moment has 1/I = 0: its momentum, which is zero, stays.
@@ -69,7 +72,8 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
       integer :: j
-      associate (unused_1 => seed, unused_2 => id, unused_3 => step, unused_4 => half, unused_5 => q)
+      associate (unused_1 => seed, unused_2 => id, unused_3 => step, unused_4 => half, &
+         unused_5 => q)
       end associate
       do j = 1, 3
          y(:, j) = exp(-self%friction(j)*class%inverse(j)*h)*y(:, j)

@@ -1,8 +1,10 @@
-!> What an effect is: four kinds, told apart by how they enter a step (mathematics.md sections 5 to 7).
+!> What an effect is: four kinds, told apart by how they enter a step (mathematics.md sections 5 to
+!> 7).
 !>
-!> A torque effect is a kick; a flow effect acts before and after the whole step; a gyrostat (gyrostat.f90) changes
-!> the drift; a pair effect is a kick that couples bodies. All work on blocks of one body class, in its principal
-!> frame. Torques add. Scalars that depend on time or class only are computed once per call; lanes see no libm.
+!> A torque effect is a kick; a flow effect acts before and after the whole step; a gyrostat
+!> (gyrostat.f90) changes the drift; a pair effect is a kick that couples bodies. All work on blocks
+!> of one body class, in its principal frame. Torques add. Scalars that depend on time or class only
+!> are computed once per call; lanes see no libm.
 module poinsot_effect_effect
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_body_class, only: body_class
@@ -39,9 +41,10 @@ module poinsot_effect_effect
       procedure :: only_forward => not_only_forward
    end type flow_effect
 
-   !> A torque that couples bodies. Two passes: every block lays down what the others need (`lay_source`, into its bodies'
-   !> columns of `sources`), then every block takes its torque from all columns (`add_torque`). Columns are summed in the
-   !> caller's body order, so that the torque does not depend on how bodies are dealt out to blocks.
+   !> A torque that couples bodies. Two passes: every block lays down what the others need
+   !> (`lay_source`, into its bodies' columns of `sources`), then every block takes its torque from
+   !> all columns (`add_torque`). Columns are summed in the caller's body order, so that the torque
+   !> does not depend on how bodies are dealt out to blocks.
    type, abstract, extends(effect) :: pair_effect
    contains
       procedure(lay_source), deferred :: lay_source
@@ -60,6 +63,7 @@ module poinsot_effect_effect
       !> g += body torque of every lane at time t.
       subroutine add_torque(self, class, t, q, g)
          import :: torque_effect, body_class, dp, lanes
+         implicit none(type, external)
          class(torque_effect), intent(in) :: self
          type(body_class), intent(in) :: class
          real(dp), intent(in) :: t               !! time
@@ -70,6 +74,7 @@ module poinsot_effect_effect
       !> u += potential energy of every lane at time t; a torque without potential adds nothing.
       subroutine add_energy(self, class, t, q, u)
          import :: torque_effect, body_class, dp, lanes
+         implicit none(type, external)
          class(torque_effect), intent(in) :: self
          type(body_class), intent(in) :: class
          real(dp), intent(in) :: t
@@ -80,6 +85,7 @@ module poinsot_effect_effect
       !> The flow over a time h: half the step, before it (half = 0) and after it (half = 1).
       subroutine apply(self, class, h, seed, id, step, half, q, y)
          import :: flow_effect, body_class, dp, i8, lanes
+         implicit none(type, external)
          class(flow_effect), intent(in) :: self
          type(body_class), intent(in) :: class
          real(dp), intent(in) :: h               !! length of the flow: half the step
@@ -94,6 +100,7 @@ module poinsot_effect_effect
       !> sources(:, body(i)) = what the other bodies need to know of lane i; body = 0 is padding.
       subroutine lay_source(self, number, body, q, sources)
          import :: pair_effect, dp, lanes
+         implicit none(type, external)
          class(pair_effect), intent(in) :: self
          integer, intent(in) :: number             !! number of the body class of this block
          integer, intent(in) :: body(lanes)        !! number of the body in the caller's order
@@ -104,6 +111,7 @@ module poinsot_effect_effect
       !> g += body torque of every lane, from all sources.
       subroutine add_pair_torque(self, number, body, q, sources, g)
          import :: pair_effect, dp, lanes
+         implicit none(type, external)
          class(pair_effect), intent(in) :: self
          integer, intent(in) :: number
          integer, intent(in) :: body(lanes)
@@ -115,6 +123,7 @@ module poinsot_effect_effect
       !> u += half the energy each lane has with all others: the sum over bodies is the energy.
       subroutine add_pair_energy(self, number, body, q, sources, u)
          import :: pair_effect, dp, lanes
+         implicit none(type, external)
          class(pair_effect), intent(in) :: self
          integer, intent(in) :: number
          integer, intent(in) :: body(lanes)
@@ -126,6 +135,7 @@ module poinsot_effect_effect
       !> How many bodies the effect has positions for; 0 = any number.
       pure integer function count_bodies(self)
          import :: pair_effect
+         implicit none(type, external)
          class(pair_effect), intent(in) :: self
       end function count_bodies
    end interface
@@ -140,7 +150,8 @@ contains
       has_no_gradient = .false.
    end function has_no_gradient
 
-   !> dg += Dg[delta], the change of the body torque along Q -> Q exp(hat(delta)) (mathematics.md section 6).
+   !> dg += Dg[delta], the change of the body torque along Q -> Q exp(hat(delta)) (mathematics.md
+   !> section 6).
    subroutine add_no_derivative(self, class, t, q, delta, dg)
       class(torque_effect), intent(in) :: self
       type(body_class), intent(in) :: class
@@ -148,7 +159,8 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(in) :: delta(lanes, 3)  !! rotation vectors in the body frame
       real(dp), intent(inout) :: dg(lanes, 3)
-      associate (unused_1 => self%class_index, unused_2 => class%moments, unused_3 => t, unused_4 => q, unused_5 => delta, &
+      associate (unused_1 => self%class_index, unused_2 => class%moments, unused_3 => t, &
+         unused_4 => q, unused_5 => delta, &
                  unused_6 => dg)
       end associate
    end subroutine add_no_derivative
@@ -168,7 +180,8 @@ contains
       pair_has_no_gradient = .false.
    end function pair_has_no_gradient
 
-   !> changes(:, body(i)) = change of the source along Q -> Q exp(hat(delta)): first pass of Dg[delta].
+   !> changes(:, body(i)) = change of the source along Q -> Q exp(hat(delta)): first pass of
+   !> Dg[delta].
    subroutine lay_no_change(self, number, body, q, delta, changes)
       class(pair_effect), intent(in) :: self
       integer, intent(in) :: number
@@ -176,7 +189,8 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(in) :: delta(lanes, 3)
       real(dp), intent(inout) :: changes(:, :)   !! (3, bodies)
-      associate (unused_1 => self%class_index, unused_2 => number, unused_3 => body, unused_4 => q, &
+      associate (unused_1 => self%class_index, unused_2 => number, unused_3 => body, &
+         unused_4 => q, &
                  unused_5 => delta, unused_6 => changes)
       end associate
    end subroutine lay_no_change
@@ -190,7 +204,8 @@ contains
       real(dp), intent(in) :: delta(lanes, 3)
       real(dp), intent(in) :: sources(:, :), changes(:, :)
       real(dp), intent(inout) :: dg(lanes, 3)
-      associate (unused_1 => self%class_index, unused_2 => number, unused_3 => body, unused_4 => q, &
+      associate (unused_1 => self%class_index, unused_2 => number, unused_3 => body, &
+         unused_4 => q, &
                  unused_5 => delta, unused_6 => sources, unused_7 => changes, unused_8 => dg)
       end associate
    end subroutine add_no_pair_derivative
@@ -202,18 +217,20 @@ contains
       acts_on = self%class_index == 0 .or. self%class_index == number
    end function acts_on
 
-   !> Both passes over all blocks, serial: g += body torques. A host with threads calls the passes itself.
+   !> Both passes over all blocks, serial: g += body torques. A host with threads calls the passes
+   !> itself.
    subroutine add_torques(self, number, body, q, sources, g)
       class(pair_effect), intent(in) :: self
       integer, intent(in) :: number(:)           !! (blocks): body class of each block
-      integer, intent(in) :: body(:, :)          !! (lanes, blocks): number of the body, 0 for padding
+      integer, intent(in) :: body(:, :) !! (lanes, blocks): number of the body, 0 for padding
       real(dp), intent(in) :: q(:, :, :)         !! (lanes, 4, blocks)
       real(dp), intent(inout) :: sources(:, :)   !! (3, bodies), work space
       real(dp), intent(inout) :: g(:, :, :)      !! (lanes, 3, blocks)
       integer :: k
       call lay_sources(self, number, body, q, sources)
       do k = 1, size(number)
-         if (self%acts_on(number(k))) call self%add_torque(number(k), body(:, k), q(:, :, k), sources, g(:, :, k))
+         if (self%acts_on(number(k))) call self%add_torque(number(k), body(:, k), q(:, :, k), &
+            sources, g(:, :, k))
       end do
    end subroutine add_torques
 
@@ -228,7 +245,8 @@ contains
       integer :: k
       call lay_sources(self, number, body, q, sources)
       do k = 1, size(number)
-         if (self%acts_on(number(k))) call self%add_energy(number(k), body(:, k), q(:, :, k), sources, u(:, k))
+         if (self%acts_on(number(k))) call self%add_energy(number(k), body(:, k), q(:, :, k), &
+            sources, u(:, k))
       end do
    end subroutine add_energies
 
@@ -238,14 +256,15 @@ contains
       integer, intent(in) :: number(:)
       integer, intent(in) :: body(:, :)
       real(dp), intent(in) :: q(:, :, :)
-      real(dp), intent(in) :: delta(:, :, :)     !! (lanes, 3, blocks): rotation vectors, body frames
+      real(dp), intent(in) :: delta(:, :, :) !! (lanes, 3, blocks): rotation vectors, body frames
       real(dp), intent(in) :: sources(:, :)
       real(dp), intent(inout) :: changes(:, :)   !! (3, bodies), work space
       real(dp), intent(inout) :: dg(:, :, :)
       integer :: k
       changes = 0
       do k = 1, size(number)
-         if (self%acts_on(number(k))) call self%lay_change(number(k), body(:, k), q(:, :, k), delta(:, :, k), changes)
+         if (self%acts_on(number(k))) call self%lay_change(number(k), body(:, k), q(:, :, k), &
+            delta(:, :, k), changes)
       end do
       do k = 1, size(number)
          if (self%acts_on(number(k))) call self%add_derivative(number(k), body(:, k), q(:, :, k), &
@@ -262,7 +281,8 @@ contains
       integer :: k
       sources = 0
       do k = 1, size(number)
-         if (self%acts_on(number(k))) call self%lay_source(number(k), body(:, k), q(:, :, k), sources)
+         if (self%acts_on(number(k))) call self%lay_source(number(k), body(:, k), q(:, :, k), &
+            sources)
       end do
    end subroutine lay_sources
 

@@ -36,15 +36,20 @@ contains
    pure function describe_field() result(info)
       type(effect_info) :: info
       info%name = "field"
-      info%formula = "U = -dipole.(Q^T E);  torque = dipole x (Q^T E);  E = E0, turned by W t + phase, or E0 cos"
+      info%formula = "U = -dipole.(Q^T E);  torque = dipole x (Q^T E);  &
+                     &E = E0, turned by W t + phase, or E0 cos"
       info%check = "libration sqrt(dipole E/I); fast oscillating field: dipole E/(sqrt(2) I W)"
-      info%keys = [ &
+      allocate (info%keys, source=[ &
                   number_key("dipole", 3, 3, "required", "dipole moment", "dipole, body frame"), &
-                  number_key("strength", 3, 3, "required", "energy per dipole moment", "the field E0, in space"), &
-                  text_key("motion", "static", "static rotating oscillating", "how the field changes with time"), &
-                  number_key("frequency", 1, 1, "0", "radians per time", "W of a rotating or oscillating field"), &
+                  number_key("strength", 3, 3, "required", "energy per dipole moment", &
+                  "the field E0, in space"), &
+                  text_key("motion", "static", "static rotating oscillating", &
+                  "how the field changes with time"), &
+                  number_key("frequency", 1, 1, "0", "radians per time", &
+                  "W of a rotating or oscillating field"), &
                   number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
-                  number_key("axis", 3, 3, "0 0 1", "direction", "axis of a rotating field, in space; normalised")]
+                  number_key("axis", 3, 3, "0 0 1", "direction", &
+                  "axis of a rotating field, in space; normalised")])
    end function describe_field
 
    !> A field from checked settings.

@@ -1,8 +1,10 @@
-!> Gaussian random numbers for a block: a function of (seed, body, step, half) and of nothing else, so that they
-!> depend neither on threads nor on the place of a body nor on the steps per call, and need no state to restart.
+!> Gaussian random numbers for a block: a function of (seed, body, step, half) and of nothing else,
+!> so that they depend neither on threads nor on the place of a body nor on the steps per call, and
+!> need no state to restart.
 !>
-!> Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011), then Box and Muller (1958) with 32-bit uniforms: the
-!> largest possible value is 6.66. Multiplications are split so that no 64-bit product overflows.
+!> Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011), then Box and Muller (1958) with 32-bit uniforms:
+!> the largest possible value is 6.66. Multiplications are split so that no 64-bit product
+!> overflows.
 module poinsot_effect_gaussian
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_elliptic_elementary, only: log_block, sincos_block
@@ -15,7 +17,7 @@ module poinsot_effect_gaussian
    integer(i8), parameter :: low16 = 65535_i8
    ! the words of poinsot_rotation_random, in a form that vectorises over lanes
    integer(i8), parameter :: weyl(2) = [2654435769_i8, 3144134277_i8]
-   integer(i8), parameter :: factor_high(2) = [53841_i8, 52638_i8]  !! upper halves of D2511F53, CD9E8D57
+   integer(i8), parameter :: factor_high(2) = [53841_i8, 52638_i8]  !! of D2511F53, CD9E8D57
    integer(i8), parameter :: factor_low(2) = [8019_i8, 36183_i8]    !! their lower halves
    integer, parameter :: rounds = 10
 

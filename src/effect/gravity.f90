@@ -29,11 +29,13 @@ contains
       type(effect_info) :: info
       info%name = "gravity"
       info%formula = "U = weight (Q^T up).centre;  torque = weight (Q^T up) x centre"
-      info%check = "Lagrange top: steady precession, y3, L_z, H kept; sleeping top; Kovalevskaya integral"
-      info%keys = [ &
-                  number_key("centre", 3, 3, "required", "length", "centre of mass from the fixed point, body frame"), &
+      info%check = "Lagrange top: steady precession, y3, L_z, H kept; sleeping top; &
+                   &Kovalevskaya integral"
+      allocate (info%keys, source=[ &
+                  number_key("centre", 3, 3, "required", "length", &
+                  "centre of mass from the fixed point, body frame"), &
                   number_key("weight", 1, 1, "1", "force", "mass times acceleration of gravity"), &
-                  number_key("up", 3, 3, "0 0 1", "direction", "upwards, in space; normalised")]
+                  number_key("up", 3, 3, "0 0 1", "direction", "upwards, in space; normalised")])
    end function describe_gravity
 
    !> Gravity from checked settings.

@@ -32,13 +32,18 @@ contains
    pure function describe_gravity_gradient() result(info)
       type(effect_info) :: info
       info%name = "gravity_gradient"
-      info%formula = "U = (3/2) rate^2 n.I n;  torque = 3 rate^2 n x I n;  n = Q^T radial, rate^2 = GM/R^3"
+      info%formula = "U = (3/2) rate^2 n.I n;  torque = 3 rate^2 n x I n;  &
+                     &n = Q^T radial, rate^2 = GM/R^3"
       info%check = "pitch libration rate sqrt(3 (I_roll - I_yaw)/I_pitch)"
-      info%keys = [ &
-                  number_key("rate", 1, 1, "required", "radians per time", "mean motion sqrt(GM/R^3)"), &
-                  number_key("radial", 3, 3, "1 0 0", "direction", "to or from the centre at t = 0, in space"), &
-                  number_key("normal", 3, 3, "0 0 1", "direction", "normal of the orbit, in space, across radial"), &
-                  text_key("orbit", "circular", "circular fixed", "does the radial direction turn with the orbit?")]
+      allocate (info%keys, source=[ &
+                  number_key("rate", 1, 1, "required", "radians per time", &
+                  "mean motion sqrt(GM/R^3)"), &
+                  number_key("radial", 3, 3, "1 0 0", "direction", &
+                  "to or from the centre at t = 0, in space"), &
+                  number_key("normal", 3, 3, "0 0 1", "direction", &
+                  "normal of the orbit, in space, across radial"), &
+                  text_key("orbit", "circular", "circular fixed", &
+                  "does the radial direction turn with the orbit?")])
    end function describe_gravity_gradient
 
    !> A gravity gradient from checked settings.
@@ -56,7 +61,8 @@ contains
       if (get_text(info, settings, "orbit") == "fixed") new%rate = 0
       if (new%rate > 0 .or. new%rate < 0) then
          if (abs(dot_product(new%radial, new%normal)) > 1e-6_dp) then
-            call raise(error, poinsot_e_domain, "effect 'gravity_gradient': key 'normal' must be " // &
+            call raise(error, poinsot_e_domain, &
+               "effect 'gravity_gradient': key 'normal' must be " // &
                        "perpendicular to 'radial' on a circular orbit")
             return
          end if

@@ -1,4 +1,5 @@
-!> Langevin thermostat: the exact Ornstein-Uhlenbeck flow on y, half before and half after each step.
+!> Langevin thermostat: the exact Ornstein-Uhlenbeck flow on y, half before and half after each
+!> step.
 module poinsot_effect_langevin
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_e_domain
@@ -31,10 +32,11 @@ contains
       info%check = "<y_i^2/(2 I_i)> = kT/2 on each axis, every kind of body"
       info%order = 2
       info%gradient = .false.
-      info%keys = [ &
+      allocate (info%keys, source=[ &
                   number_key("friction", 1, 3, "required", "torque per angular velocity", &
                              "friction, the same for all axes or per principal axis"), &
-                  number_key("temperature", 1, 1, "required", "energy", "k T, Boltzmann's constant included")]
+                  number_key("temperature", 1, 1, "required", "energy", &
+                  "k T, Boltzmann's constant included")])
    end function describe_langevin
 
    !> A thermostat from checked settings.
@@ -48,7 +50,8 @@ contains
       if (raised(error)) return
       new%temperature = get_value(info, settings, "temperature")
       if (new%temperature < 0) then
-         call raise(error, poinsot_e_domain, "effect 'langevin': key 'temperature' must not be negative")
+         call raise(error, poinsot_e_domain, &
+            "effect 'langevin': key 'temperature' must not be negative")
          return
       end if
       made = new

@@ -7,7 +7,8 @@ module poinsot_effect_registry
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: nearest_name
    use poinsot_effect_effect, only: effect
-   use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, check_keys, get_value
+   use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, check_keys, &
+      get_value
    use poinsot_effect_gravity, only: describe_gravity, make_gravity
    use poinsot_effect_field, only: describe_field, make_field
    use poinsot_effect_gravity_gradient, only: describe_gravity_gradient, make_gravity_gradient
@@ -27,6 +28,7 @@ module poinsot_effect_registry
    abstract interface
       subroutine constructor(info, settings, made, error)
          import :: effect, effect_info, setting, poinsot_error
+         implicit none(type, external)
          type(effect_info), intent(in) :: info
          type(setting), intent(in) :: settings(:)
          class(effect), allocatable, intent(out) :: made
@@ -84,8 +86,9 @@ contains
       i = 0
    end function effect_number
 
-   !> Make an effect from its name and settings. POINSOT_E_METHOD for an unknown name or key (the message
-   !> names the nearest known one), _SIZE for a wrong count of numbers, _DOMAIN for a wrong value.
+   !> Make an effect from its name and settings. POINSOT_E_METHOD for an unknown name or key (the
+   !> message names the nearest known one), _SIZE for a wrong count of numbers, _DOMAIN for a wrong
+   !> value.
    subroutine make_effect(name, settings, made, error)
       character(*), intent(in) :: name                    !! as in the registry
       type(setting), intent(in) :: settings(:)            !! keys not named keep their defaults
@@ -94,6 +97,7 @@ contains
       type(effect_info) :: info
       procedure(constructor), pointer :: make
       integer :: i
+      real(dp) :: class_number
       character(len(info%name)) :: names(effect_count)
       i = effect_number(name)
       if (i == 0) then
@@ -106,24 +110,33 @@ contains
       end if
       call effect_row(i, info, make)
       if (.not. associated(make)) then
-         call raise(error, poinsot_e_domain, "effect '" // trim(name) // "' is a program's own torque: " // &
+         call raise(error, poinsot_e_domain, "effect '" // trim(name) // &
+            "' is a program's own torque: " // &
                     "extend user_torque or user_potential (Fortran) or pass a callback (C)")
          return
       end if
       info%keys = [info%keys, class_key()]
       call check_keys(info, settings, error)
       if (raised(error)) return
+      class_number = get_value(info, settings, "class")
+      if (class_number < 0 .or. class_number > 1e9_dp .or. &
+          abs(class_number - anint(class_number)) > 0) then
+         call raise(error, poinsot_e_domain, "effect '" // name // &
+                    "': key 'class' is the number of a body class, 0 for all")
+         return
+      end if
       call make(info, settings, made, error)
       if (raised(error)) then
          if (allocated(made)) deallocate (made)
          return
       end if
       made%name = info%name
-      made%class_index = nint(min(max(get_value(info, settings, "class"), 0.0_dp), 1e9_dp))
+      made%class_index = nint(class_number)
    end subroutine make_effect
 
    pure type(effect_key) function class_key()
-      class_key = number_key("class", 1, 1, "0", "number", "the body class it acts on, from 1; 0 = all")
+      class_key = number_key("class", 1, 1, "0", "number", &
+         "the body class it acts on, from 1; 0 = all")
    end function class_key
 
 end module poinsot_effect_registry

@@ -1,5 +1,6 @@
-!> What a user says about an effect (key = values), what an effect says about its keys, and the meeting of the two.
-!> The default of a key is the text in its description: there is no second place that could disagree.
+!> What a user says about an effect (key = values), what an effect says about its keys, and the
+!> meeting of the two. The default of a key is the text in its description: there is no second place
+!> that could disagree.
 module poinsot_effect_settings
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
@@ -9,7 +10,8 @@ module poinsot_effect_settings
    implicit none(type, external)
    private
    public :: setting, effect_key, effect_info, number_key, text_key
-   public :: check_keys, get_values, get_value, get_text, get_direction, was_given, number_setting, text_setting
+   public :: check_keys, get_values, get_value, get_text, get_direction, was_given, &
+      number_setting, text_setting
 
    !> One thing a user says: a key with numbers, or with a text.
    type :: setting
@@ -31,7 +33,7 @@ module poinsot_effect_settings
    !> One effect as the registry shows it.
    type :: effect_info
       character(18) :: name = ""
-      character(96) :: formula = ""
+      character(128) :: formula = ""
       character(120) :: check = ""       !! the analytic result it is tested against
       integer :: order = 0               !! highest order a splitting reaches with it; 0 = no limit
       logical :: gradient = .true.       !! has the force gradient in closed form
@@ -61,7 +63,7 @@ contains
       real(dp), intent(in) :: values(:)
       type(setting) :: made
       made%key = key
-      made%values = values
+      allocate (made%values, source=values)
    end function number_setting
 
    !> key = 'text'
@@ -72,8 +74,9 @@ contains
       made%text = text
    end function text_setting
 
-   !> Refuse keys the effect does not know (naming the nearest one), keys given twice, numbers for a text and
-   !> a text for numbers, wrong counts, numbers that are not finite, words that are not a choice.
+   !> Refuse keys the effect does not know (naming the nearest one), keys given twice, numbers for a
+   !> text and a text for numbers, wrong counts, numbers that are not finite, words that are not a
+   !> choice.
    pure subroutine check_keys(info, settings, error)
       type(effect_info), intent(in) :: info
       type(setting), intent(in) :: settings(:)
@@ -82,8 +85,10 @@ contains
       do i = 1, size(settings)
          k = find_key(info, settings(i)%key)
          if (k == 0) then
-            call raise(error, poinsot_e_method, "effect '" // trim(info%name) // "': unknown key '" // &
-               settings(i)%key // "'; the nearest known key is '" // nearest_name(settings(i)%key, info%keys%name) // "'")
+            call raise(error, poinsot_e_method, "effect '" // trim(info%name) // &
+               "': unknown key '" // &
+               settings(i)%key // "'; the nearest known key is '" // &
+               nearest_name(settings(i)%key, info%keys%name) // "'")
             return
          end if
          do j = 1, i - 1
@@ -96,7 +101,8 @@ contains
          if (raised(error)) return
       end do
       do k = 1, size(info%keys)
-         if (info%keys(k)%default /= "required" .or. was_given(settings, trim(info%keys(k)%name))) cycle
+         if (info%keys(k)%default /= "required" .or. was_given(settings, &
+            trim(info%keys(k)%name))) cycle
          call refuse(info, info%keys(k), "is required: " // trim(info%keys(k)%meaning), error)
          return
       end do
@@ -108,18 +114,26 @@ contains
       type(setting), intent(in) :: given
       type(poinsot_error), intent(inout) :: error
       character(12) :: least, most
-      if (key%is_text .neqv. allocated(given%text)) then
-         call refuse(info, key, trim(merge("takes a text      ", "takes numbers only", key%is_text)), error)
+      logical :: known
+      if (key%is_text .and. .not. allocated(given%text)) then
+         call refuse(info, key, "takes a text", error)
+      else if (allocated(given%text) .and. .not. key%is_text) then
+         call refuse(info, key, "takes numbers only", error)
       else if (key%is_text) then
-         if (key%units /= "" .and. index(" " // trim(key%units) // " ", " " // given%text // " ") == 0) &
-            call refuse(info, key, "= '" // given%text // "' is not one of: " // trim(key%units), error)
+         known = index(" " // trim(key%units) // " ", " " // given%text // " ") > 0
+         if (key%units /= "" .and. .not. known) then
+            call refuse(info, key, "= '" // given%text // "' is not one of: " // &
+                        trim(key%units), error)
+         end if
       else if (.not. allocated(given%values)) then
          call refuse(info, key, "takes numbers, none is given", error)
-      else if (size(given%values) < key%least .or. (key%most >= 0 .and. size(given%values) > key%most)) then
+      else if (size(given%values) < key%least .or. (key%most >= 0 .and. size(given%values) &
+         > key%most)) then
          write (least, "(i0)") key%least
          write (most, "(i0)") key%most
          if (key%most < 0) most = "more"
-         call refuse(info, key, "takes " // trim(least) // " to " // trim(most) // " numbers", error)
+         call refuse(info, key, "takes " // trim(least) // " to " // trim(most) // " numbers", &
+            error)
          error%code = poinsot_e_size
       else if (.not. all(ieee_is_finite(given%values))) then
          call refuse(info, key, "has a value that is not finite", error)
@@ -131,7 +145,8 @@ contains
       type(effect_key), intent(in) :: key
       character(*), intent(in) :: why
       type(poinsot_error), intent(inout) :: error
-      call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // "': key '" // trim(key%name) // "' " // why)
+      call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // "': key '" // &
+         trim(key%name) // "' " // why)
    end subroutine refuse
 
    !> Has the user said anything about this key?
@@ -201,7 +216,8 @@ contains
          values = values/largest
          direction = values/norm2(values)
       else
-         call refuse(info, info%keys(find_key(info, key)), "is a direction and must not be zero", error)
+         call refuse(info, info%keys(find_key(info, key)), "is a direction and must not be zero", &
+            error)
       end if
    end subroutine get_direction
 

@@ -28,12 +28,15 @@ contains
    pure function describe_spring() result(info)
       type(effect_info) :: info
       info%name = "spring"
-      info%formula = "U = -(stiffness/2) (axis.gamma)^2;  torque = stiffness (axis.gamma) axis x gamma;  gamma = Q^T direction"
+      info%formula = "U = -(k/2) (axis.gamma)^2;  torque = k (axis.gamma) axis x gamma;  &
+                     &k = stiffness, gamma = Q^T direction"
       info%check = "libration sqrt(stiffness/I)"
-      info%keys = [ &
+      allocate (info%keys, source=[ &
                   number_key("stiffness", 1, 1, "required", "energy", "strength of the spring"), &
-                  number_key("axis", 3, 3, "0 0 1", "direction", "the axis it aligns, body frame; normalised"), &
-                  number_key("direction", 3, 3, "0 0 1", "direction", "what it aligns it with, in space; normalised")]
+                  number_key("axis", 3, 3, "0 0 1", "direction", &
+                  "the axis it aligns, body frame; normalised"), &
+                  number_key("direction", 3, 3, "0 0 1", "direction", &
+                  "what it aligns it with, in space; normalised")])
    end function describe_spring
 
    !> A spring from checked settings.

@@ -34,16 +34,19 @@ contains
    pure function describe_torque() result(info)
       type(effect_info) :: info
       info%name = "torque"
-      info%formula = "torque = value, value cos(W t + phase), or a table, linear between its times; in space: Q^T of it"
+      info%formula = "torque = value, value cos(W t + phase), or a table, linear between times; &
+                     &in space: Q^T of it"
       info%check = "in space: angular momentum L = L0 + integral of the torque"
-      info%keys = [ &
+      allocate (info%keys, source=[ &
                   number_key("value", 3, 3, "0 0 0", "torque", "the torque, or its amplitude"), &
                   text_key("frame", "body", "body space", "the frame of value"), &
-                  number_key("frequency", 1, 1, "0", "radians per time", "W of a harmonic torque"), &
+                  number_key("frequency", 1, 1, "0", "radians per time", &
+                  "W of a harmonic torque"), &
                   number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
-                  number_key("times", 1, -1, "", "time", "times of a table, increasing; constant beyond both ends"), &
+                  number_key("times", 1, -1, "", "time", &
+                  "times of a table, increasing; constant beyond both ends"), &
                   number_key("table", 3, -1, "", "torque", "three numbers for each time"), &
-                  text_key("file", "", "", "scene only: file with lines of t, three torques")]
+                  text_key("file", "", "", "scene only: file with lines of t, three torques")])
    end function describe_torque
 
    !> A torque from checked settings.
@@ -79,7 +82,8 @@ contains
       real(dp), allocatable :: values(:)
       integer :: n
       if (was_given(settings, "value") .or. new%harmonic) then
-         call raise(error, poinsot_e_domain, "effect 'torque': give either a table or 'value', " // &
+         call raise(error, poinsot_e_domain, &
+            "effect 'torque': give either a table or 'value', " // &
                     "'frequency', 'phase', not both")
          return
       end if
@@ -87,7 +91,8 @@ contains
       call get_values(info, settings, "table", values)
       n = size(new%times)
       if (n == 0 .or. size(values) /= 3*n) then
-         call raise(error, poinsot_e_size, "effect 'torque': key 'table' takes three numbers for " // &
+         call raise(error, poinsot_e_size, &
+            "effect 'torque': key 'table' takes three numbers for " // &
                     "each number of 'times'")
       else if (any(new%times(2:) <= new%times(:n - 1))) then
          call raise(error, poinsot_e_domain, "effect 'torque': key 'times' must increase")
@@ -161,7 +166,8 @@ contains
       real(dp), intent(in) :: t
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: u(lanes)
-      associate (unused_1 => self%class_index, unused_2 => class%moments, unused_3 => t, unused_4 => q, &
+      associate (unused_1 => self%class_index, unused_2 => class%moments, unused_3 => t, &
+         unused_4 => q, &
                  unused_5 => u)
       end associate
    end subroutine add_energy

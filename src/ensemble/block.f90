@@ -28,6 +28,7 @@ module poinsot_ensemble_block
    end type block_state
 
    real(dp), parameter :: norm_slack = 2e-6_dp   !! of |q|^2: |q| within 1e-6 of 1
+   real(dp), parameter :: fastest = 1e70_dp      !! angular velocity, in the caller's unit
    real(dp), parameter :: axis_slack = 1e-12_dp  !! momentum about a zero moment, relative to |y|
 
    integer(i8), parameter :: exponent_bits = int(z'7FF0000000000000', i8)
@@ -74,6 +75,7 @@ contains
       end if
       call refuse(p, b%q, b%status)
       call to_native(momentum, axes, class, p, b%y, b%q)
+      call refuse_speed(class, b)
       if (minval(class%inverse) <= 0) call refuse_axis(class, b)
    end subroutine load_block
 
@@ -127,6 +129,27 @@ contains
          end if
       end do
    end subroutine refuse
+
+   !> An angular velocity whose square would overflow is refused, by a comparison that cannot overflow itself.
+   pure subroutine refuse_speed(class, b)
+      type(body_class), intent(in) :: class
+      type(block_state), intent(inout) :: b
+      real(dp) :: limit(3), good(lanes)
+      integer :: l
+      limit = fastest*min(class%moments, 1e200_dp)
+      where (.not. class%moments > 0) limit = huge(limit)
+      !GCC$ ivdep
+      do l = 1, lanes
+         good(l) = merge(1.0_dp, 0.0_dp, abs(b%y(l, 1)) <= limit(1) .and. abs(b%y(l, 2)) <= limit(2) &
+                         .and. abs(b%y(l, 3)) <= limit(3))
+      end do
+      if (minval(good) >= 1) return
+      do l = 1, lanes
+         if (good(l) >= 1) cycle
+         b%status(l) = poinsot_e_domain
+         b%y(l, :) = 0
+      end do
+   end subroutine refuse_speed
 
    !> Numbers that come with the bodies, a torque for instance: a lane where they are not finite fails, and gets zeros.
    pure subroutine refuse_values(b, values)

@@ -2,6 +2,7 @@
 !> substeps would be many. Which of them is a function of the body's state, class and h alone.
 module poinsot_free_exact
    use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_status, only: poinsot_e_step
    use poinsot_body_class, only: body_class, series_levels, longest_step
    use poinsot_free_exact_step, only: step_sizes, exact_step_increment
    use poinsot_free_jacobi_solution, only: jacobi_increment
@@ -10,11 +11,13 @@ module poinsot_free_exact
    public :: exact_increment
 
    integer, parameter :: most_substeps = 64 !! beyond, Jacobi's functions are cheaper
+   real(dp), parameter :: longest_phase = 1e15_dp !! h |omega| beyond which no digit of the angle is left
    integer, parameter :: substep_level = 3  !! substeps as long as this series length carries
 
 contains
 
    !> Increments of y and q over h, exact to rounding, for every body, any h. Mathematics, section 3 (and 4 beyond 64 substeps).
+   !> POINSOT_E_STEP for h |omega| > 1e15.
    pure subroutine exact_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                         !! not used
@@ -44,6 +47,10 @@ contains
       parts = 1
       where (sizes > min(class%reach(series_levels), longest_step**2)) &
          parts = aint(sqrt(sizes/class%reach(substep_level))*(1 + 8*epsilon(1.0_dp))) + 1
+      where (sizes > longest_phase**2)
+         status = poinsot_e_step
+         parts = 0
+      end where
       dy = 0
       dq = 0
       if (any(parts > most_substeps)) then

@@ -4,7 +4,7 @@
 module poinsot_free_method
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error, raise
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_method
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, conserve_energy
    use poinsot_free_exact, only: exact_increment
@@ -42,6 +42,8 @@ module poinsot_free_method
       procedure(increment_kernel), pointer, nopass :: increment => null()
       character(64) :: about = ""                  !! one line for people
    end type free_method
+
+   real(dp), parameter :: far = 1e70_dp !! beyond, h is looked at before it is multiplied
 
    !> Names in the order in which people see them; `registered` says what each is.
    character(name_length), parameter :: method_names(17) = [character(name_length) :: &
@@ -118,6 +120,7 @@ contains
 
       hl = h
       if (any(status /= poinsot_ok)) hl = merge(h, 0.0_dp, status == poinsot_ok)
+      if (abs(h) > far) call refuse_far(class, h, y, hl, status)
       call method%increment(class, method%terms, hl, y, q, dy, dq, status)
       if (any(status /= poinsot_ok)) then
          hl = merge(h, 0.0_dp, status == poinsot_ok)
@@ -135,5 +138,23 @@ contains
          call add_plain(hl, dy, dq, y, q)
       end if
    end subroutine advance
+
+   !> A step so long that its rotation would overflow: POINSOT_E_STEP. Exponents are compared, nothing is multiplied.
+   pure subroutine refuse_far(class, h, y, hl, status)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h, y(lanes, 3)
+      real(dp), intent(inout) :: hl(lanes)
+      integer, intent(inout) :: status(lanes)
+      integer :: l, j
+      do j = 1, 3
+         if (.not. class%inverse(j) > 0) cycle
+         do l = 1, lanes
+            if (.not. abs(y(l, j)) > 0 .or. .not. abs(hl(l)) > 0) cycle
+            if (exponent(y(l, j)) + exponent(class%inverse(j)) + exponent(h) < exponent(far)) cycle
+            status(l) = poinsot_e_step
+            hl(l) = 0
+         end do
+      end do
+   end subroutine refuse_far
 
 end module poinsot_free_method

@@ -1,6 +1,6 @@
-!> The flows of one block with the effects of its body class: what `run_steps` composes for bodies that do not
-!> see each other. What is not there costs nothing: lists are made when the block is composed, and a block
-!> without torque has no kick in its scheme (`scheme_for`).
+!> The flows of one block with the effects of its body class: what `run_steps` composes for bodies
+!> that do not see each other. What is not there costs nothing: lists are made when the block is
+!> composed, and a block without torque has no kick in its scheme (`scheme_for`).
 module poinsot_splitting_block_flows
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_method
@@ -24,7 +24,8 @@ module poinsot_splitting_block_flows
       class(flow_effect), pointer :: it => null()
    end type flow_pointer
 
-   !> One block at work. Compose once per body class, then load y, q, status (and id, carry), step, unload.
+   !> One block at work. Compose once per body class, then load y, q, status (and id, carry), step,
+   !> unload.
    type, extends(flows) :: block_flows
       real(dp) :: y(lanes, 3) = 0                        !! angular momenta
       real(dp) :: q(lanes, 4) = 0                        !! attitudes
@@ -58,11 +59,11 @@ module poinsot_splitting_block_flows
 
 contains
 
-   !> Pick the effects that act on a body class. POINSOT_E_METHOD if the scheme needs a force gradient that an
-   !> effect does not have. Pair effects are not taken: they need all blocks.
+   !> Pick the effects that act on a body class. POINSOT_E_METHOD if the scheme needs a force
+   !> gradient that an effect does not have. Pair effects are not taken: they need all blocks.
    subroutine compose(self, class, number, method, scheme, effects, error)
       class(block_flows), intent(inout) :: self
-      type(body_class), intent(in), target :: class       !! must outlive the block, as must the next
+      type(body_class), intent(in), target :: class !! must outlive the block, as must the next
       integer, intent(in) :: number                       !! of the class, from 1
       type(free_method), intent(in), target :: method
       type(splitting), intent(in) :: scheme
@@ -82,8 +83,10 @@ contains
          class is (torque_effect)
             torques = torques + 1
             if (scheme%needs_gradient .and. .not. one%has_gradient()) then
-               call raise(error, poinsot_e_method, "splitting '" // trim(scheme%name) // "' needs a force " // &
-                          "gradient, which effect '" // trim(one%name) // "' does not have; srkn4 and srkn6 need none")
+               call raise(error, poinsot_e_method, "splitting '" // trim(scheme%name) // &
+                  "' needs a force " // &
+                          "gradient, which effect '" // trim(one%name) // &
+                          "' does not have; srkn4 and srkn6 need none")
                return
             end if
          class is (flow_effect)

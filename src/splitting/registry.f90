@@ -26,7 +26,8 @@ contains
       name = trim(row%name)
    end function splitting_name
 
-   !> A splitting by name; POINSOT_E_METHOD, naming the nearest known one, if there is none of that name.
+   !> A splitting by name; POINSOT_E_METHOD, naming the nearest known one, if there is none of that
+   !> name.
    pure subroutine find_splitting(name, scheme, error)
       character(*), intent(in) :: name
       type(splitting), intent(out) :: scheme
@@ -43,7 +44,8 @@ contains
                  "'; the nearest known name is '" // nearest_name(name, names) // "'")
    end subroutine find_splitting
 
-   !> Order that a step reaches: the least of scheme, free rotation and effects (0 in any of them: no limit).
+   !> Order that a step reaches: the least of scheme, free rotation and effects (0 in any of them:
+   !> no limit).
    pure integer function achieved_order(scheme, method, effects) result(order)
       integer, intent(in) :: scheme      !! order of the splitting; 0 for the free rotation alone
       integer, intent(in) :: method      !! order of the free rotation; 0 = exact

@@ -6,9 +6,10 @@ module poinsot_splitting_stepper
    private
    public :: flows, run_steps, enter_kernel, leave_kernel
 
-   !> What a splitting composes. The torque g is a function of attitude and time only: `kick` evaluates it
-   !> when `fresh` is false, sets `fresh`, and leaves it; `drift` clears `fresh`. So the torque at the end of
-   !> a step serves the start of the next (same attitudes, same time), while the two kicks stay two sums.
+   !> What a splitting composes. The torque g is a function of attitude and time only: `kick`
+   !> evaluates it when `fresh` is false, sets `fresh`, and leaves it; `drift` clears `fresh`. So
+   !> the torque at the end of a step serves the start of the next (same attitudes, same time),
+   !> while the two kicks stay two sums.
    type, abstract :: flows
       logical :: fresh = .false.        !! is the stored torque that of the present attitudes?
       logical :: has_outer = .false.    !! is there a flow outside the scheme (drag, thermostat)?
@@ -23,6 +24,7 @@ module poinsot_splitting_stepper
       !> Free rotation over h (any sign).
       subroutine drift(self, h)
          import :: flows, dp
+         implicit none(type, external)
          class(flows), intent(inout) :: self
          real(dp), intent(in) :: h
       end subroutine drift
@@ -30,6 +32,7 @@ module poinsot_splitting_stepper
       !> y += b g + c G with g and G at time t.
       subroutine kick(self, t, b, c)
          import :: flows, dp
+         implicit none(type, external)
          class(flows), intent(inout) :: self
          real(dp), intent(in) :: t
          real(dp), intent(in) :: b   !! coefficient times h
@@ -39,9 +42,9 @@ module poinsot_splitting_stepper
 
 contains
 
-   !> Steps number first to first + steps - 1 of length h. Step k starts at t + k h, computed so and not by
-   !> adding: ten steps at once are ten calls of one step, to the bit. A torque that is fresh on entry is used:
-   !> whoever changes the state must clear the flag.
+   !> Steps number first to first + steps - 1 of length h. Step k starts at t + k h, computed so and
+   !> not by adding: ten steps at once are ten calls of one step, to the bit. A torque that is fresh
+   !> on entry is used: whoever changes the state must clear the flag.
    subroutine run_steps(scheme, system, t, h, first, steps)
       type(splitting), intent(in) :: scheme
       class(flows), intent(inout) :: system
@@ -58,7 +61,8 @@ contains
       end do
    end subroutine run_steps
 
-   !> From the state to the variables of a processed kernel, before step `first`. Nothing for other schemes.
+   !> From the state to the variables of a processed kernel, before step `first`. Nothing for other
+   !> schemes.
    subroutine enter_kernel(scheme, system, t, h, first)
       type(splitting), intent(in) :: scheme
       class(flows), intent(inout) :: system
@@ -68,7 +72,8 @@ contains
       call run_operations(scheme%enter, system, t, h, first)
    end subroutine enter_kernel
 
-   !> From the variables of a processed kernel to the state, before step `first`: for output, on a copy.
+   !> From the variables of a processed kernel to the state, before step `first`: for output, on a
+   !> copy.
    subroutine leave_kernel(scheme, system, t, h, first)
       type(splitting), intent(in) :: scheme
       class(flows), intent(inout) :: system
@@ -78,7 +83,8 @@ contains
       call run_operations(scheme%leave, system, t, h, first)
    end subroutine leave_kernel
 
-   !> One pass through a table. A node of exactly 1 in step k and of 0 in step k + 1 give the same time.
+   !> One pass through a table. A node of exactly 1 in step k and of 0 in step k + 1 give the same
+   !> time.
    subroutine run_operations(operations, system, t, h, k)
       type(operation), intent(in) :: operations(:)
       class(flows), intent(inout) :: system

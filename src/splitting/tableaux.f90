@@ -1,9 +1,11 @@
-!> Splittings as data: one row per scheme. T a is a free rotation over a h; K b c adds b h g + c h^3 G to y
-!> (g the body torque, G its force gradient, mathematics.md section 6). Flows are applied left to right.
+!> Splittings as data: one row per scheme. T a is a free rotation over a h; K b c adds b h g + c h^3
+!> G to y (g the body torque, G its force gradient, mathematics.md section 6). Flows are applied
+!> left to right.
 !>
-!> All schemes are symmetric, so a row holds the left half of the coefficients, the middle one last; T and K
-!> alternate. Those of Blanes and Moan, Chin, and Omelyan, Mryglod and Folk use that the kinetic energy is
-!> quadratic in y: [U, [U, [U, T]]] = 0. A new scheme is one row in `scheme_row` and its place in the count.
+!> All schemes are symmetric, so a row holds the left half of the coefficients, the middle one last;
+!> T and K alternate. Those of Blanes and Moan, Chin, and Omelyan, Mryglod and Folk use that the
+!> kinetic energy is quadratic in y: [U, [U, [U, T]]] = 0. A new scheme is one row in `scheme_row`
+!> and its place in the count.
 module poinsot_splitting_tableaux
    use poinsot_core_kinds, only: dp, qp
    implicit none(type, external)
@@ -15,7 +17,7 @@ module poinsot_splitting_tableaux
       logical :: is_kick = .false.
       real(dp) :: b = 0       !! length in units of h: of the free rotation, or of the kick
       real(dp) :: c = 0       !! force gradient of a kick in units of h^3
-      real(dp) :: node = 0    !! when, in units of h from the start of the step: the sum of rotations before it
+      real(dp) :: node = 0     !! when, in units of h: the sum of rotations before it
    end type operation
 
    !> One scheme with its ancestry.
@@ -24,13 +26,13 @@ module poinsot_splitting_tableaux
       character(40) :: author = ""
       integer :: year = 0
       integer :: order = 0                  !! with processor: the effective order
-      integer :: stages = 0                 !! free rotations per step, those at both ends counted as one
+      integer :: stages = 0 !! free rotations per step, those at both ends counted as one
       logical :: symmetric = .true.
       logical :: needs_gradient = .false.
       character(56) :: paper = ""
       type(operation), allocatable :: operations(:)
-      type(operation), allocatable :: enter(:)   !! before the first step: from the state to the kernel's variables
-      type(operation), allocatable :: leave(:)   !! at output: from the kernel's variables to the state
+      type(operation), allocatable :: enter(:)   !! at the start: state to kernel's variables
+      type(operation), allocatable :: leave(:)   !! at output: kernel's variables to state
    end type splitting
 
    integer, parameter :: scheme_count = 12
@@ -64,15 +66,23 @@ contains
          call fill_row(row, "K", [0.089269454226475244887_dp, 0.4_dp, -0.097336042636895508015_dp, &
             -0.1_dp, 0.50806658841042026313_dp, 0.4_dp])
       case (6)
-         row = splitting("srkn4", "Blanes, Moan", 2002, 4, paper="J. Comput. Appl. Math. 142, 313, SRKN 6b")
-         call fill_row(row, "K", [0.0829844064174052_dp, 0.245298957184271_dp, 0.396309801498368_dp, &
-            0.60487266571108_dp, -0.0390563049223486_dp, -0.350171622895351_dp, 0.1195241940131508_dp])
+         row = splitting("srkn4", "Blanes, Moan", 2002, 4, &
+            paper="J. Comput. Appl. Math. 142, 313, SRKN 6b")
+         call fill_row(row, "K", [0.0829844064174052_dp, 0.245298957184271_dp, &
+            0.396309801498368_dp, &
+            0.60487266571108_dp, -0.0390563049223486_dp, -0.350171622895351_dp, &
+            0.1195241940131508_dp])
       case (7)
-         row = splitting("srkn6", "Blanes, Moan", 2002, 6, paper="J. Comput. Appl. Math. 142, 313, SRKN 14a")
-         call fill_row(row, "T", [0.0378593198406116_dp, 0.09171915262446165_dp, 0.102635633102435_dp, &
-            0.183983170005006_dp, -0.0258678882665587_dp, -0.05653436583288827_dp, 0.314241403071447_dp, &
-            0.004914688774712854_dp, -0.130144459517415_dp, 0.143761127168358_dp, 0.106417700369543_dp, &
-            0.328567693746804_dp, -0.00879424312851058_dp, -0.196411466486454234_dp, 0.20730506905689536_dp])
+         row = splitting("srkn6", "Blanes, Moan", 2002, 6, &
+            paper="J. Comput. Appl. Math. 142, 313, SRKN 14a")
+         call fill_row(row, "T", [0.0378593198406116_dp, 0.09171915262446165_dp, &
+            0.102635633102435_dp, &
+            0.183983170005006_dp, -0.0258678882665587_dp, -0.05653436583288827_dp, &
+            0.314241403071447_dp, &
+            0.004914688774712854_dp, -0.130144459517415_dp, 0.143761127168358_dp, &
+            0.106417700369543_dp, &
+            0.328567693746804_dp, -0.00879424312851058_dp, -0.196411466486454234_dp, &
+            0.20730506905689536_dp])
       case (8)
          row = splitting("chin4", "Chin", 1997, 4, paper="Phys. Lett. A 226, 344, 4A; the review's")
          call fill_row(row, "K", [0.16666666666666666667_dp, 0.5_dp, 0.66666666666666666667_dp], &
@@ -86,7 +96,8 @@ contains
       case (10)
          row = splitting("omelyan6", "Omelyan, Mryglod, Folk", 2003, 6, &
                          paper="Comput. Phys. Commun. 151, 272, 5F3G position")
-         call fill_row(row, "T", [0.1097059723948682_dp, 0.2693315848935301_dp, 0.4140632267310831_dp, &
+         call fill_row(row, "T", [0.1097059723948682_dp, 0.2693315848935301_dp, &
+            0.4140632267310831_dp, &
             1.1319803486515564_dp, -0.0237691991259513_dp, -1.802623867090173_dp], &
             [0.0_dp, 0.0008642161339706166_dp, 0.0_dp, 0.0_dp, 0.0_dp, -0.01324638643416052_dp])
       case (11)
@@ -105,6 +116,8 @@ contains
                          paper="J. Phys. Soc. Jpn. 53, 3765; Appl. Num. Math. 39, 245")
          call fill_row(row, "T", [0.5_dp, 1.0_dp], [0.0_dp, 1.0_dp/24.0_dp])
          call add_processor(row)
+      case default
+         row = free_scheme()
       end select
    end function scheme_row
 
@@ -125,8 +138,9 @@ contains
       allocate (row%enter(0), row%leave(0))
    end subroutine fill_row
 
-   !> T and K in turn. Nodes are summed in quadruple precision, and one that closes the step is exactly 1:
-   !> the torque at the end of a step is then the torque at the start of the next, to the bit.
+   !> T and K in turn. Nodes are summed in quadruple precision, and one that closes the step is
+   !> exactly 1: the torque at the end of a step is then the torque at the start of the next, to the
+   !> bit.
    pure function alternating(first, b, c) result(operations)
       character, intent(in) :: first
       real(dp), intent(in) :: b(:), c(:)
@@ -144,15 +158,18 @@ contains
       end do
    end function alternating
 
-   !> Processor of the Takahashi-Imada kernel. The kernel is exp(h (T + U) - h^3/24 [T + U, [T, U]] + O(h^5)),
-   !> so the flow of h^2/24 [T, U] takes its solution to one of order 4. Here that flow and the two terms of h^4
-   !> that leave the smallest error of order 5 (-1/640 [T,T,T,U] - 1/1152 [U,T,T,U]) are composed from rotations
-   !> and kicks; the coefficients solve the order conditions with the least sum of squares.
+   !> Processor of the Takahashi-Imada kernel. The kernel is exp(h (T + U) - h^3/24 [T + U, [T, U]]
+   !> + O(h^5)), so the flow of h^2/24 [T, U] takes its solution to one of order 4. Here that flow
+   !> and the two terms of h^4 that leave the smallest error of order 5 (-1/640 [T,T,T,U] - 1/1152
+   !> [U,T,T,U]) are composed from rotations and kicks; the coefficients solve the order conditions
+   !> with the least sum of squares.
    pure subroutine add_processor(row)
       type(splitting), intent(inout) :: row
       real(dp), parameter :: b(*) = [ &
-         0.11804257670960278_dp, -0.0862006645713153_dp, 0.24702625764338573_dp, 0.245074981924611_dp, &
-         0.20795405485274107_dp, -0.13290448562578844_dp, -0.25694324274260005_dp, 0.12189993888971454_dp, &
+         0.11804257670960278_dp, -0.0862006645713153_dp, 0.24702625764338573_dp, &
+         0.245074981924611_dp, &
+         0.20795405485274107_dp, -0.13290448562578844_dp, -0.25694324274260005_dp, &
+         0.12189993888971454_dp, &
          -0.3160796464631296_dp, -0.1478697706172218_dp]
       deallocate (row%enter, row%leave)
       row%leave = alternating("T", b, 0*b)
@@ -167,19 +184,24 @@ contains
       allocate (row%enter(0), row%leave(0))
    end function free_scheme
 
-   !> Weights of a symmetric composition of "turn 1/2, rotate 1, turn 1/2" for the drift of a gyrostat: the
-   !> smallest of orders 2, 4, 6 and 8 that reaches `order`. Suzuki 1990; Kahan and Li 1997 (9 stages);
-   !> Suzuki and Umeno 1993, McLachlan 1995 (15 stages).
+   !> Weights of a symmetric composition of "turn 1/2, rotate 1, turn 1/2" for the drift of a
+   !> gyrostat: the smallest of orders 2, 4, 6 and 8 that reaches `order`. Suzuki 1990; Kahan and Li
+   !> 1997 (9 stages); Suzuki and Umeno 1993, McLachlan 1995 (15 stages).
    pure subroutine turn_composition(order, weights)
       integer, intent(in) :: order
       real(dp), allocatable, intent(out) :: weights(:)
       real(dp), parameter :: w4(*) = [0.41449077179437573714_dp, 0.41449077179437573714_dp, &
          -0.65796308717750294857_dp]
-      real(dp), parameter :: w6(*) = [0.39216144400731413927925056_dp, 0.33259913678935943859974864_dp, &
-         -0.70624617255763935980996482_dp, 0.08221359629355080023149045_dp, 0.79854399093482996339895035_dp]
-      real(dp), parameter :: w8(*) = [0.74167036435061295344822780_dp, -0.40910082580003159399730010_dp, &
-         0.19075471029623837995387626_dp, -0.57386247111608226665638773_dp, 0.29906418130365592384446354_dp, &
-         0.33462491824529818378495798_dp, 0.31529309239676659663205666_dp, -0.79688793935291635401978884_dp]
+      real(dp), parameter :: w6(*) = [0.39216144400731413927925056_dp, &
+         0.33259913678935943859974864_dp, &
+         -0.70624617255763935980996482_dp, 0.08221359629355080023149045_dp, &
+         0.79854399093482996339895035_dp]
+      real(dp), parameter :: w8(*) = [0.74167036435061295344822780_dp, &
+         -0.40910082580003159399730010_dp, &
+         0.19075471029623837995387626_dp, -0.57386247111608226665638773_dp, &
+         0.29906418130365592384446354_dp, &
+         0.33462491824529818378495798_dp, 0.31529309239676659663205666_dp, &
+         -0.79688793935291635401978884_dp]
       select case (order)
       case (:2)
          weights = [1.0_dp]
