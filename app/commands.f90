@@ -1,0 +1,81 @@
+!> The table of commands. A new one is a row in `table`, a case in `dispatch`, a text in app_help.
+module app_commands
+   use poinsot_core_nearest, only: nearest_name
+   use app_arguments, only: word, word_list, command_words
+   use app_codes, only: exit_ok, exit_usage
+   use app_help, only: command, table, show_help, show_command_help
+   use app_terminal, only: complain
+   use app_version, only: show_version
+   use app_run, only: command_run
+   use app_lists, only: command_methods, command_splittings, command_effects, command_scenes
+   implicit none(type, external)
+   private
+   public :: run_command
+
+contains
+
+   !> Do what the command line says.
+   subroutine run_command(code)
+      integer, intent(out) :: code !! exit code: 0 ok, 1 runtime, 2 usage or input, 3 numerical
+      type(word_list) :: all, rest
+      character(:), allocatable :: name
+      integer :: i
+      call command_words(all)
+      code = exit_ok
+      if (size(all%at) == 0) then
+         call show_help()
+         code = exit_usage
+         return
+      end if
+      name = all%at(1)%text
+      rest%at = all%at(2:)
+      if (name == "help" .and. size(rest%at) > 0) then
+         name = rest%at(1)%text
+         rest%at = [word("--help")]
+      end if
+      select case (name)
+      case ("--help", "-h", "help")
+         call show_help()
+         return
+      case ("--version", "-V", "version")
+         call show_version()
+         return
+      end select
+      if (.not. any(table%name == name)) then
+         call complain("unknown command '" // name // "'; the nearest known one is '" // &
+                       nearest_name(name(:min(len(name), 60)), table%name) // &
+                       "' (poinsot --help shows all)")
+         code = exit_usage
+         return
+      end if
+      do i = 1, size(rest%at)
+         if (rest%at(i)%text /= "--help" .and. rest%at(i)%text /= "-h") cycle
+         call show_command_help(name)
+         return
+      end do
+      call dispatch(name, rest, code)
+   end subroutine run_command
+
+   !> A command of the table.
+   subroutine dispatch(name, words, code)
+      character(*), intent(in) :: name
+      type(word_list), intent(in) :: words   !! what follows it
+      integer, intent(out) :: code
+      select case (name)
+      case ("run")
+         call command_run(words, code)
+      case ("methods")
+         call command_methods(words, code)
+      case ("splittings")
+         call command_splittings(words, code)
+      case ("effects")
+         call command_effects(words, code)
+      case ("scenes")
+         call command_scenes(words, code)
+      case default
+         call complain("the command '" // name // "' is not built in")
+         code = exit_usage
+      end select
+   end subroutine dispatch
+
+end module app_commands

@@ -1,0 +1,74 @@
+!> Where scenes are: a file, or a name in the folders where scenes are kept.
+module app_find_scene
+   use app_arguments, only: word, word_list
+   use app_terminal, only: executable_folder, environment
+   implicit none(type, external)
+   private
+   public :: find_scene, scene_folders, shipped_scenes
+
+   character(*), parameter :: ending = ".nml"
+
+   !> The scenes that are shipped, in the order of the list.
+   character(16), parameter :: shipped_scenes(11) = [character(16) :: "free-body", "tennis-racket", &
+      "heavy-top", "sleeping-top", "kovalevskaya", "satellite", "rotating-field", "dipole-chain", &
+      "gyrostat", "thermostat", "large-ensemble"]
+
+contains
+
+   !> The file of a scene: `scene` itself if there is such a file, else NAME.nml in the folders.
+   subroutine find_scene(scene, file, found)
+      character(*), intent(in) :: scene
+      character(:), allocatable, intent(out) :: file
+      logical, intent(out) :: found
+      type(word_list) :: folders
+      logical :: is_folder
+      integer :: i
+      file = scene
+      inquire (file=file, exist=found)
+      inquire (file=file // "/.", exist=is_folder)
+      if (found .and. .not. is_folder .or. index(scene, "/") > 0) return
+      call scene_folders(folders)
+      do i = 1, size(folders%at)
+         file = folders%at(i)%text // "/" // scene // ending
+         if (folders%at(i)%text == ".") file = scene // ending
+         inquire (file=file, exist=found)
+         if (found) return
+      end do
+      file = scene
+   end subroutine find_scene
+
+   !> The folders, in the order they are searched.
+   subroutine scene_folders(folders)
+      type(word_list), intent(out) :: folders
+      character(:), allocatable :: list, above
+      integer :: colon, i
+      folders%at = [word(".")]
+      list = environment("POINSOT_SCENES")
+      do while (len(list) > 0)
+         colon = index(list // ":", ":")
+         if (colon > 1) call add(folders, list(:colon - 1))
+         list = list(min(colon, len(list)) + 1:)
+      end do
+      above = executable_folder()
+      call add(folders, above // "/../share/poinsot/scenes")
+      do i = 1, 4 ! build/COMPILER_HASH/app/poinsot, build/stage/bin/poinsot
+         above = above // "/.."
+         call add(folders, above // "/scenes")
+      end do
+   end subroutine scene_folders
+
+   !> One more, if it is a folder.
+   subroutine add(folders, name)
+      type(word_list), intent(inout) :: folders
+      character(*), intent(in) :: name
+      type(word), allocatable :: more(:)
+      logical :: there
+      inquire (file=name // "/.", exist=there)
+      if (.not. there) return
+      allocate (more(size(folders%at) + 1))
+      more(:size(folders%at)) = folders%at
+      more(size(more))%text = name
+      call move_alloc(more, folders%at)
+   end subroutine add
+
+end module app_find_scene

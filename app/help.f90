@@ -1,0 +1,121 @@
+!> Every help text, and the table of commands.
+module app_help
+   use app_terminal, only: say
+   implicit none(type, external)
+   private
+   public :: command, table, show_help, show_command_help
+
+   !> One command.
+   type :: command
+      character(10) :: name
+      character(60) :: about
+   end type command
+
+   type(command), parameter :: table(5) = [ &
+      command("run", "run a scene: trajectory, summary, restart, pictures"), &
+      command("methods", "list the methods that turn a free body"), &
+      command("splittings", "list the schemes that alternate kicks and turns"), &
+      command("effects", "list the effects with their keys; or explain one"), &
+      command("scenes", "list the scenes that are shipped; or print one")]
+
+contains
+
+   !> poinsot --help
+   subroutine show_help()
+      integer :: i
+      call put([character(100) :: &
+         "poinsot turns rigid bodies.", &
+         "", &
+         "   poinsot COMMAND [ARGUMENTS]", &
+         ""])
+      do i = 1, size(table)
+         call say("   " // table(i)%name // "  " // trim(table(i)%about))
+      end do
+      call put([character(100) :: &
+         "", &
+         "   poinsot COMMAND --help   explains a command", &
+         "   poinsot --version        version, compiler and flags", &
+         "", &
+         "First steps:  poinsot run free-body", &
+         "              poinsot run heavy-top --out top", &
+         "", &
+         "Exit code: 0 done, 1 files or memory or interrupted, 2 command line or input,", &
+         "           3 the calculation failed"])
+   end subroutine show_help
+
+   !> poinsot COMMAND --help
+   subroutine show_command_help(name)
+      character(*), intent(in) :: name !! a command of the table
+      select case (name)
+      case ("run")
+         call help_run()
+      case ("methods")
+         call put([character(100) :: &
+            "poinsot methods", &
+            "", &
+            "Lists the methods that turn a free body: name, order (exact: right to rounding for", &
+            "any step), what it is. A scene names one in &scene method = '...'."])
+      case ("splittings")
+         call put([character(100) :: &
+            "poinsot splittings", &
+            "", &
+            "Lists the schemes that alternate kicks by the effects with free turns: name, order,", &
+            "turns and force gradients of a step, author and year. A scene with effects names one", &
+            "in &scene splitting = '...'."])
+      case ("effects")
+         call put([character(100) :: &
+            "poinsot effects [NAME]", &
+            "", &
+            "Lists the effects a scene can hold, each a group &NAME ... / in the scene file. With a", &
+            "NAME: its formula, its keys with defaults and units, and what it is tested against.", &
+            "NAME may also be scene, bodies or output: the keys of those groups."])
+      case ("scenes")
+         call put([character(100) :: &
+            "poinsot scenes [NAME]", &
+            "", &
+            "Lists the scenes that `poinsot run NAME` finds, or prints one: the place to start a", &
+            "scene of your own is `poinsot scenes heavy-top > mine.nml`.", &
+            "", &
+            "A NAME is looked for as NAME.nml in this folder, in the folders of POINSOT_SCENES", &
+            "(colons between them), beside the program in ../share/poinsot/scenes, and in the", &
+            "source tree the program was built in."])
+      end select
+   end subroutine show_command_help
+
+   subroutine help_run()
+      call put([character(100) :: &
+         "poinsot run SCENE [OPTIONS]", &
+         "", &
+         "SCENE is a scene file, or the name of a shipped scene (poinsot scenes lists them).", &
+         "", &
+         "   --out DIR              folder for the output (default poinsot-out/SCENE); made if it", &
+         "                          is not there; files of an earlier run in it are replaced", &
+         "   --threads N            threads (default: as many as OpenMP offers)", &
+         "   --set GROUP.KEY=VALUE  a setting over the file's own, as often as wanted:", &
+         "                          --set scene.h=0.05 --set bodies.y=0,0.6,-0.8", &
+         "                          bodies(2).KEY names the second &bodies group", &
+         "   --check                check the scene, say what it would do, run nothing", &
+         "   --no-pictures          write the plot scripts, do not run gnuplot", &
+         "   --quiet                print errors only", &
+         "", &
+         "Output, all of it text:", &
+         "   summary.txt       what ran, its speed, what changed that should not, the error", &
+         "   trajectory.csv    t,body,q0..q3,y1..y3,kinetic,potential,energy", &
+         "   trajectory.xyz    extended XYZ, for OVITO (&output format = 'extxyz')", &
+         "   restart.txt       the state to the bit: continue with --set scene.from=FILE", &
+         "   plot_*.gp         gnuplot scripts; their pictures too where gnuplot is found", &
+         "", &
+         "q is a unit quaternion, scalar first, from the body to space; y the angular momentum in", &
+         "the body frame. Interrupted (Ctrl-C), a run ends at the next step with all its files", &
+         "readable and a restart; the summary says so, and the exit code is 1."])
+   end subroutine help_run
+
+   subroutine put(lines)
+      character(*), intent(in) :: lines(:)
+      integer :: i
+      do i = 1, size(lines)
+         call say(trim(lines(i)))
+      end do
+   end subroutine put
+
+end module app_help

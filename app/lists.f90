@@ -1,0 +1,237 @@
+!> poinsot methods, splittings, effects, scenes: what there is.
+module app_lists
+   use poinsot_core_error, only: poinsot_error
+   use poinsot_core_nearest, only: nearest_name
+   use poinsot_effect_settings, only: effect_info, effect_key
+   use poinsot_effect_registry, only: effect_count, describe_effect
+   use poinsot_free_method, only: free_method, find_method, method_count, method_name
+   use poinsot_splitting_registry, only: splitting_count, splitting_name, find_splitting
+   use poinsot_splitting_tableaux, only: splitting
+   use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
+   use poinsot_scene_text, only: text_of
+   use app_arguments, only: word_list, is_option
+   use app_codes, only: exit_ok, exit_usage
+   use app_find_scene, only: find_scene, shipped_scenes
+   use app_run, only: unknown_option
+   use app_terminal, only: say, complain
+   implicit none(type, external)
+   private
+   public :: command_methods, command_splittings, command_effects, command_scenes
+
+contains
+
+   !> At most `most` names and no options; complains itself.
+   logical function fine(command, words, most)
+      character(*), intent(in) :: command
+      type(word_list), intent(in) :: words
+      integer, intent(in) :: most
+      character(1) :: none(0)
+      integer :: i
+      fine = .false.
+      do i = 1, size(words%at)
+         if (is_option(words%at(i)%text)) then
+            call unknown_option(command, words%at(i)%text, none)
+            return
+         end if
+      end do
+      fine = size(words%at) <= most
+      if (.not. fine) call complain(command // ": '" // words%at(most + 1)%text // "' is one too many")
+   end function fine
+
+   !> poinsot methods
+   subroutine command_methods(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      type(free_method) :: method
+      type(poinsot_error) :: error
+      character(20) :: name
+      character(8) :: order
+      integer :: i
+      code = exit_usage
+      if (.not. fine("methods", words, 0)) return
+      code = exit_ok
+      call say("method              order   what it is")
+      do i = 1, method_count()
+         name = method_name(i)
+         call find_method(trim(name), method, error)
+         order = "exact"
+         if (method%order > 0) order = text_of(method%order)
+         call say(name // order // trim(method%about))
+      end do
+   end subroutine command_methods
+
+   !> poinsot splittings
+   subroutine command_splittings(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      type(splitting) :: scheme
+      type(poinsot_error) :: error
+      character(14) :: name
+      character(8) :: order, stages, gradients
+      integer :: i
+      code = exit_usage
+      if (.not. fine("splittings", words, 0)) return
+      code = exit_ok
+      call say("splitting     order   turns   gradients  source")
+      do i = 1, splitting_count()
+         name = splitting_name(i)
+         call find_splitting(trim(name), scheme, error)
+         order = text_of(scheme%order)
+         stages = text_of(scheme%stages)
+         gradients = merge("yes", "no ", scheme%needs_gradient)
+         call say(name // order // stages // gradients // "   " // trim(scheme%author) // ", " // &
+                  text_of(scheme%year))
+      end do
+      call say("auto          -       -       -          the cheapest that meets &scene tol")
+   end subroutine command_splittings
+
+   !> poinsot effects [NAME]
+   subroutine command_effects(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      type(effect_info) :: info
+      character(18) :: names(effect_count + 3)
+      integer :: i
+      code = exit_usage
+      if (.not. fine("effects", words, 1)) return
+      do i = 1, size(names)
+         call get_info(i, info)
+         names(i) = info%name
+      end do
+      if (size(words%at) == 1) then
+         do i = 1, size(names)
+            if (names(i) == words%at(1)%text) exit
+         end do
+         if (i > size(names)) then
+            call complain("effects: unknown effect '" // words%at(1)%text // "'; the nearest known " // &
+                          "one is '" // nearest_name(words%at(1)%text, names) // "'")
+            return
+         end if
+         call get_info(i, info)
+         call explain(info)
+      else
+         do i = 1, effect_count
+            call get_info(i, info)
+            call say(info%name // trim(info%formula))
+         end do
+         call say("")
+         call say("poinsot effects NAME explains one; scene, bodies and output are explained too")
+      end if
+      code = exit_ok
+   end subroutine command_effects
+
+   !> Effects, then the groups that are none.
+   subroutine get_info(i, info)
+      integer, intent(in) :: i
+      type(effect_info), intent(out) :: info
+      select case (i - effect_count)
+      case (1)
+         call scene_keys(info)
+      case (2)
+         call bodies_keys(info)
+      case (3)
+         call output_keys(info)
+      case default
+         info = describe_effect(i)
+      end select
+      if (.not. allocated(info%keys)) allocate (info%keys(0))
+   end subroutine get_info
+
+   !> One group: formula, keys, check.
+   subroutine explain(info)
+      type(effect_info), intent(in) :: info
+      integer :: k
+      call say("&" // trim(info%name))
+      call say("   " // trim(info%formula))
+      call say("")
+      do k = 1, size(info%keys)
+         call say("   " // key_head(info%keys(k)) // trim(info%keys(k)%meaning))
+         if (info%keys(k)%units == "") cycle
+         if (info%keys(k)%is_text) then
+            call say(repeat(" ", 34) // "one of: " // trim(info%keys(k)%units))
+         else
+            call say(repeat(" ", 34) // "(" // trim(info%keys(k)%units) // ")")
+         end if
+      end do
+      if (info%order > 0) then
+         call say("")
+         call say("   limits the order to " // text_of(info%order) // ", whatever the splitting")
+      end if
+      if (info%check == "") return
+      call say("")
+      call say("   checked: " // trim(info%check))
+   end subroutine explain
+
+   !> "centre(3)  required"
+   function key_head(key) result(text)
+      type(effect_key), intent(in) :: key
+      character(31) :: text
+      character(:), allocatable :: name
+      character(15) :: left
+      name = trim(key%name)
+      if (key%most < 0) name = name // "(:)"
+      if (key%most > 1) name = name // "(" // text_of(key%most) // ")"
+      left = name
+      text = left // merge(key%default, "-" // repeat(" ", len(key%default) - 1), key%default /= "")
+      if (key%is_text .and. key%default /= "" .and. key%default /= "required") &
+         text = left // "'" // trim(key%default) // "'"
+   end function key_head
+
+   !> poinsot scenes [NAME]
+   subroutine command_scenes(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      integer :: i
+      code = exit_usage
+      if (.not. fine("scenes", words, 1)) return
+      if (size(words%at) == 1) then
+         call show_scene(words%at(1)%text, .false., code)
+         return
+      end if
+      do i = 1, size(shipped_scenes)
+         call show_scene(trim(shipped_scenes(i)), .true., code)
+      end do
+      call say("")
+      call say("poinsot run NAME runs one, poinsot scenes NAME prints it")
+      code = exit_ok
+   end subroutine command_scenes
+
+   !> A scene: its first comment beside its name, or all of it.
+   subroutine show_scene(name, brief, code)
+      character(*), intent(in) :: name
+      logical, intent(in) :: brief
+      integer, intent(out) :: code
+      character(:), allocatable :: file
+      character(400) :: line
+      character(17) :: left
+      logical :: found
+      integer :: unit
+      code = exit_usage
+      call find_scene(name, file, found)
+      if (.not. found) then
+         call complain("scenes: there is no scene '" // name // "'; the nearest shipped one is '" // &
+                       nearest_name(name(:min(len(name), 60)), shipped_scenes) // &
+                       "' (looked in ./, POINSOT_SCENES and beside the program)")
+         return
+      end if
+      open (newunit=unit, file=file, action="read", status="old", iostat=code)
+      if (code /= 0) then
+         call complain("scenes: " // file // " cannot be read")
+         code = exit_usage
+         return
+      end if
+      left = name
+      do
+         read (unit, "(a)", iostat=code) line
+         if (code /= 0) exit
+         if (brief) then
+            call say(left // trim(adjustl(line(verify(line, "! "):))))
+            exit
+         end if
+         call say(trim(line))
+      end do
+      close (unit)
+      code = exit_ok
+   end subroutine show_scene
+
+end module app_lists

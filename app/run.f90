@@ -1,0 +1,259 @@
+!> poinsot run
+module app_run
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_status, only: poinsot_e_io
+   use poinsot_scene_text, only: text_of, quoted, escaped, joined
+   use poinsot_scene_source, only: scene_source
+   use poinsot_scene_reader, only: read_source
+   use poinsot_scene_override, only: override
+   use poinsot_scene_build, only: build_scene
+   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_schedule, only: step_total, output_count
+   use poinsot_scene_run, only: run_scene, check_scene
+   use poinsot_scene_pictures, only: picture_names
+   use poinsot_scene_summary, only: run_report
+   use app_arguments, only: word, word_list, option_value, is_option
+   use app_codes, only: exit_ok, exit_runtime, exit_usage, exit_of_run
+   use app_find_scene, only: find_scene, shipped_scenes
+   use app_progress, only: progress_watch
+   use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
+   implicit none(type, external)
+   private
+   public :: command_run, load_scene, run_options, unknown_option
+
+   !> What `poinsot run` was asked for.
+   type :: run_options
+      character(:), allocatable :: scene, out, threads
+      type(word), allocatable :: settings(:)   !! of --set, in their order
+      logical :: check = .false., quiet = .false., pictures = .true.
+   end type run_options
+
+   character(13), parameter :: known(6) = [character(13) :: "--out", "--threads", "--set", &
+                                           "--check", "--no-pictures", "--quiet"]
+
+contains
+
+   !> The command.
+   subroutine command_run(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      type(run_options) :: options
+      type(scene_settings) :: scene
+      logical :: good
+      code = exit_usage
+      call read_options(words, options, good)
+      if (.not. good) return
+      call load_scene(options%scene, options%settings, scene, good)
+      if (.not. good) return
+      if (options%check) then
+         call check_only(scene, options, code)
+      else
+         call run_it(scene, options, code)
+      end if
+   end subroutine command_run
+
+   !> Words to typed options.
+   subroutine read_options(words, options, good)
+      type(word_list), intent(in) :: words
+      type(run_options), intent(out) :: options
+      logical, intent(out) :: good
+      character(:), allocatable :: name, value
+      integer :: i
+      options%scene = ""
+      options%out = ""
+      options%threads = ""
+      allocate (options%settings(0))
+      good = .true.
+      i = 0
+      do while (i < size(words%at) .and. good)
+         i = i + 1
+         name = words%at(i)%text
+         if (.not. is_option(name)) then
+            good = len(options%scene) == 0
+            if (.not. good) call complain("run: one scene at a time; '" // name // "' is a second one")
+            options%scene = name
+            cycle
+         end if
+         if (index(name, "=") > 0) name = name(:index(name, "=") - 1)
+         select case (name)
+         case ("--check")
+            options%check = .true.
+         case ("--no-pictures")
+            options%pictures = .false.
+         case ("--quiet")
+            options%quiet = .true.
+         case ("--out", "--threads", "--set")
+            call option_value(words, i, value, good)
+            if (.not. good) then
+               call complain("run: the option " // name // " needs a value")
+            else if (name == "--out") then
+               options%out = value
+            else if (name == "--threads") then
+               call append_word(options%settings, "scene.threads=" // value)
+            else
+               call append_word(options%settings, value)
+            end if
+         case default
+            call unknown_option("run", name, known)
+            good = .false.
+         end select
+      end do
+      if (good .and. len(options%scene) == 0) then
+         call complain("run: which scene? Shipped are " // joined(shipped_scenes))
+         good = .false.
+      end if
+      do while (len(options%out) > 1)
+         if (options%out(len(options%out):) /= "/") exit
+         options%out = options%out(:len(options%out) - 1)
+      end do
+   end subroutine read_options
+
+   subroutine append_word(list, text)
+      type(word), allocatable, intent(inout) :: list(:)
+      character(*), intent(in) :: text
+      type(word), allocatable :: more(:)
+      allocate (more(size(list) + 1))
+      more(:size(list)) = list
+      more(size(more))%text = text
+      call move_alloc(more, list)
+   end subroutine append_word
+
+   !> Say that an option is not known.
+   subroutine unknown_option(command, name, options)
+      character(*), intent(in) :: command, name
+      character(*), intent(in) :: options(:)   !! those there are
+      if (size(options) == 0) then
+         call complain(command // ": unknown option '" // name // "'; there is only --help")
+      else
+         call complain(command // ": unknown option '" // name // "'; the nearest known one is " // &
+                       nearest_name(name(:min(len(name), 60)), options) // " (poinsot " // command // &
+                       " --help shows all)")
+      end if
+   end subroutine unknown_option
+
+   !> Find, read and build a scene, with settings over the file's; complains itself.
+   subroutine load_scene(name, settings, scene, good)
+      character(*), intent(in) :: name
+      type(word), intent(in) :: settings(:)       !! group.key=value each
+      type(scene_settings), intent(out) :: scene
+      logical, intent(out) :: good
+      type(scene_source) :: source
+      type(poinsot_error) :: error
+      character(:), allocatable :: file
+      integer :: i
+      call find_scene(name, file, good)
+      if (.not. good) then
+         call complain("there is no file '" // name // "' and no scene of that name; the nearest " // &
+                       "shipped one is '" // nearest_name(name(:min(len(name), 60)), shipped_scenes) // &
+                       "' (poinsot scenes lists them)")
+         return
+      end if
+      call read_source(file, source, error)
+      do i = 1, size(settings)
+         if (.not. raised(error)) call override(settings(i)%text, source, error)
+      end do
+      if (.not. raised(error)) call build_scene(source, scene, error)
+      good = .not. raised(error)
+      if (.not. good) call complain(error%message)
+   end subroutine load_scene
+
+   !> --check
+   subroutine check_only(scene, options, code)
+      type(scene_settings), intent(in) :: scene
+      type(run_options), intent(in) :: options
+      integer, intent(out) :: code
+      type(poinsot_error) :: error
+      real(dp) :: rows
+      call check_scene(scene, error)
+      code = exit_ok
+      if (raised(error)) then
+         call complain(scene%file // ": " // error%message)
+         code = exit_usage
+         return
+      end if
+      if (options%quiet) return
+      rows = size(scene%output%bodies)
+      if (size(scene%output%bodies) == 0) rows = real(body_total(scene), dp)
+      rows = rows*output_count(scene)
+      call say(scene%file // ": the scene is right")
+      call say("   bodies   " // text_of(body_total(scene)))
+      call say("   steps    " // text_of(nint(step_total(scene), i8)) // " of '" // scene%method // "'")
+      call say("   rows     " // text_of(nint(rows, i8)) // " of trajectory, about " // &
+               text_of(nint(rows*240/1e6_dp, i8)) // " MB")
+   end subroutine check_only
+
+   !> Run, report, draw.
+   subroutine run_it(scene, options, code)
+      type(scene_settings), intent(in) :: scene
+      type(run_options), intent(in) :: options
+      integer, intent(out) :: code
+      type(progress_watch) :: watch
+      type(run_report) :: report
+      type(poinsot_error) :: error
+      character(:), allocatable :: out
+      out = options%out
+      if (len(out) == 0) out = "poinsot-out/" // scene%name
+      watch%shown = error_is_terminal() .and. .not. options%quiet
+      call catch_interrupts()
+      call run_scene(scene, out, watch, report, error)
+      call watch%wipe()
+      code = exit_of_run(error%code)
+      if (raised(error)) then
+         call complain(error%message)
+         return
+      end if
+      if (report%state == "interrupted") then
+         call complain("interrupted at t = " // text_of(report%t) // "; continue with --set scene.from=" // &
+                       out // "/" // scene%output%restart)
+         code = exit_runtime
+         return
+      end if
+      if (.not. options%quiet) call show_file(out // "/summary.txt")
+      if (options%pictures) call draw(scene, out, options%quiet)
+      if (.not. options%quiet) call say("written to " // out)
+   end subroutine run_it
+
+   !> A text file on standard output.
+   subroutine show_file(file)
+      character(*), intent(in) :: file
+      character(400) :: line
+      integer :: unit, code
+      open (newunit=unit, file=file, action="read", status="old", iostat=code)
+      if (code /= 0) return
+      do
+         read (unit, "(a)", iostat=code) line
+         if (code /= 0) exit
+         call say(trim(line))
+      end do
+      close (unit)
+   end subroutine show_file
+
+   !> The pictures, where gnuplot is found; what gnuplot has to say goes to gnuplot.log.
+   subroutine draw(scene, out, quiet)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: out
+      logical, intent(in) :: quiet
+      character(16), allocatable :: names(:)
+      integer :: i, state, code
+      call picture_names(scene, names)
+      if (size(names) == 0) return
+      call execute_command_line("gnuplot --version >/dev/null 2>&1", exitstat=state, cmdstat=code)
+      if (state /= 0 .or. code /= 0) then
+         if (.not. quiet) call say("gnuplot is not here; plot_*.gp draw the pictures where it is")
+         return
+      end if
+      do i = 1, size(names)
+         call execute_command_line("cd " // escaped(out) // " && gnuplot plot_" // trim(names(i)) // &
+                                   ".gp >gnuplot.log 2>&1 && rm -f gnuplot.log", &
+                                   exitstat=state, cmdstat=code)
+         if (state /= 0 .or. code /= 0) then
+            call complain("gnuplot failed on plot_" // trim(names(i)) // ".gp; see gnuplot.log beside it")
+         else if (.not. quiet) then
+            call say("picture   " // trim(names(i)) // ".svg, " // trim(names(i)) // ".png")
+         end if
+      end do
+   end subroutine draw
+
+end module app_run

@@ -1,0 +1,104 @@
+!> What the program needs of the system: is this a terminal, was it asked to stop, where is it.
+module app_terminal
+   use, intrinsic :: iso_c_binding, only: c_int, c_char, c_size_t, c_long, c_funptr, c_funloc, &
+      c_null_funptr, c_null_char
+   use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
+   implicit none(type, external)
+   private
+   public :: error_is_terminal, catch_interrupts, was_interrupted, executable_folder
+   public :: say, complain, environment
+
+   integer(c_int), parameter :: signal_interrupt = 2, signal_terminate = 15
+
+   !> Set by the handler. The library never sees it: the run asks through a context (app_progress).
+   logical, volatile, save :: interrupted = .false.
+
+   interface
+      integer(c_int) function c_isatty(descriptor) bind(c, name="isatty")
+         import :: c_int
+         integer(c_int), value, intent(in) :: descriptor
+      end function c_isatty
+
+      type(c_funptr) function c_signal(number, handler) bind(c, name="signal")
+         import :: c_int, c_funptr
+         integer(c_int), value, intent(in) :: number
+         type(c_funptr), value, intent(in) :: handler
+      end function c_signal
+
+      integer(c_long) function c_readlink(path, buffer, size) bind(c, name="readlink")
+         import :: c_char, c_size_t, c_long
+         character(kind=c_char), intent(in) :: path(*)
+         character(kind=c_char), intent(out) :: buffer(*)
+         integer(c_size_t), value, intent(in) :: size
+      end function c_readlink
+   end interface
+
+contains
+
+   !> Is standard error a terminal?
+   logical function error_is_terminal()
+      error_is_terminal = c_isatty(2_c_int) == 1
+   end function error_is_terminal
+
+   !> From now on SIGINT and SIGTERM ask the run to stop; a second one ends the program at once.
+   subroutine catch_interrupts()
+      type(c_funptr) :: before
+      before = c_signal(signal_interrupt, c_funloc(on_interrupt))
+      before = c_signal(signal_terminate, c_funloc(on_interrupt))
+   end subroutine catch_interrupts
+
+   subroutine on_interrupt(number) bind(c)
+      integer(c_int), value, intent(in) :: number
+      type(c_funptr) :: before
+      interrupted = .true.
+      before = c_signal(number, c_null_funptr) ! SIG_DFL
+   end subroutine on_interrupt
+
+   !> Did a signal ask to stop?
+   logical function was_interrupted()
+      was_interrupted = interrupted
+   end function was_interrupted
+
+   !> Folder of the running program, "" if the system does not tell.
+   function executable_folder() result(folder)
+      character(:), allocatable :: folder
+      character(kind=c_char) :: buffer(4096)
+      character(4096) :: name
+      integer :: i, length
+      length = int(c_readlink("/proc/self/exe" // c_null_char, buffer, 4096_c_size_t))
+      if (length > 0) then
+         do i = 1, length
+            name(i:i) = buffer(i)
+         end do
+      else
+         call get_command_argument(0, name, length)
+      end if
+      folder = name(:max(index(name(:length), "/", back=.true.) - 1, 0))
+   end function executable_folder
+
+   !> An environment variable, "" if it is not set.
+   function environment(name) result(value)
+      character(*), intent(in) :: name
+      character(:), allocatable :: value
+      integer :: length
+      call get_environment_variable(name, length=length)
+      allocate (character(length) :: value)
+      if (length > 0) call get_environment_variable(name, value)
+   end function environment
+
+   !> A line on standard output; none if nobody reads it any more.
+   subroutine say(line)
+      character(*), intent(in) :: line
+      integer :: code
+      write (output_unit, "(a)", iostat=code) line
+   end subroutine say
+
+   !> A line on standard error, with the program's name.
+   subroutine complain(line)
+      character(*), intent(in) :: line
+      integer :: code
+      flush (output_unit, iostat=code)
+      write (error_unit, "(a)", iostat=code) "poinsot: " // line
+   end subroutine complain
+
+end module app_terminal

@@ -1,0 +1,126 @@
+!> One &bodies group: moments from what was given, momentum and attitude into the principal frame.
+module poinsot_scene_bodies
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_scene_text, only: text_of
+   use poinsot_scene_settings, only: body_group, random_none, random_uniform, random_thermal
+   use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
+      integer_of, complain
+   use poinsot_rotation_quaternion, only: quaternion_product, unit_tolerance
+   use poinsot_scene_inertia, only: find_moments
+   implicit none(type, external)
+   private
+   public :: build_bodies
+
+contains
+
+   !> Check and convert one group. Error: POINSOT_E_SCENE naming file, line and key.
+   subroutine build_bodies(group, bodies, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(out) :: bodies
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: values(:)
+      bodies%line = group%line
+      call integer_of(group, "count", 1_i8, 2000000000_i8, bodies%count, error)
+      if (.not. raised(error)) call find_moments(group, bodies, error)
+      if (.not. raised(error)) call build_random(group, bodies, error)
+      if (.not. raised(error)) call build_attitude(group, bodies, error)
+      if (.not. raised(error)) call build_momentum(group, bodies, error)
+      if (raised(error)) return
+      call numbers_of(group, "position", values)
+      bodies%position = values
+      call numbers_of(group, "spacing", values)
+      bodies%spacing = values
+   end subroutine build_bodies
+
+   !> random and temperature.
+   subroutine build_random(group, bodies, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(inout) :: bodies
+      type(poinsot_error), intent(inout) :: error
+      select case (word_of(group, "random"))
+      case ("uniform")
+         bodies%random = random_uniform
+      case ("thermal")
+         bodies%random = random_thermal
+      case default
+         bodies%random = random_none
+      end select
+      bodies%temperature = number_of(group, "temperature")
+      if (bodies%random == random_thermal .neqv. given(group, "temperature")) then
+         call complain(group, "temperature", "goes with random = 'thermal' and is needed there", error)
+      else if (bodies%temperature < 0) then
+         call complain(group, "temperature", "= " // text_of(bodies%temperature) // &
+                       " must not be negative", error)
+      else if (bodies%random /= random_none .and. given(group, "q")) then
+         call complain(group, "q", "is given, and random = '" // word_of(group, "random") // &
+                       "' asks for random attitudes; leave one of them out", error)
+      else if (bodies%random == random_thermal .and. &
+               (given(group, "y") .or. given(group, "omega"))) then
+         call complain(group, "random", "= 'thermal' draws the momenta; leave y and omega out", error)
+      end if
+   end subroutine build_random
+
+   !> q: a unit quaternion.
+   subroutine build_attitude(group, bodies, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(inout) :: bodies
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: q(:)
+      real(dp) :: largest, norm
+      call numbers_of(group, "q", q)
+      largest = maxval(abs(q))
+      if (largest <= 0) then
+         call complain(group, "q", "is zero; no rotation is 1, 0, 0, 0", error)
+         return
+      end if
+      norm = norm2(q/largest)
+      if (largest > 2 .or. abs(norm*min(largest, 2.0_dp) - 1) > unit_tolerance) then
+         call complain(group, "q", "is not a unit quaternion; with its length divided out it is " // &
+                       text_of(q/largest/norm), error)
+         return
+      end if
+      bodies%q = q
+      if (bodies%turned) bodies%q = quaternion_product(q, bodies%frame)
+   end subroutine build_attitude
+
+   !> y or omega, zero about an axis without inertia.
+   subroutine build_momentum(group, bodies, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(inout) :: bodies
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: given_vector(:)
+      real(dp) :: vector(3)
+      character(:), allocatable :: key
+      integer :: j
+      if (given(group, "y") .and. given(group, "omega")) then
+         call complain(group, "omega", "and y are both given; leave one of them out", error)
+         return
+      end if
+      key = "y"
+      if (given(group, "omega")) key = "omega"
+      if (.not. given(group, key)) return
+      call numbers_of(group, key, given_vector)
+      vector = given_vector
+      if (bodies%turned) vector = matmul(transpose(bodies%axes), vector)
+      if (key == "omega") then
+         if (any(abs(vector) > 1e150_dp .and. bodies%moments > 1e150_dp)) then
+            call complain(group, key, "times the moments is beyond the range of numbers", error)
+            return
+         end if
+         bodies%y = bodies%moments*vector
+         return
+      end if
+      bodies%y = vector
+      ! about an axis without inertia nothing can turn; a tensor's axes come with rounding
+      where (bodies%moments <= 0 .and. bodies%turned .and. &
+             abs(vector) <= 1e-13_dp*maxval(abs(vector))) bodies%y = 0
+      do j = 1, 3
+         if (bodies%moments(j) > 0 .or. abs(bodies%y(j)) <= 0) cycle
+         call complain(group, "y", "has momentum " // text_of(vector(j)) // " about principal axis " // &
+                       text_of(j) // ", whose moment is zero; only 0 is possible there", error)
+         return
+      end do
+   end subroutine build_momentum
+
+end module poinsot_scene_bodies

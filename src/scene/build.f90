@@ -1,0 +1,313 @@
+!> From groups and keys to a typed scene, with every value checked.
+module poinsot_scene_build
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_nearest, only: nearest_name
+   use poinsot_effect_settings, only: effect_info, setting
+   use poinsot_scene_text, only: text_of, quoted
+   use poinsot_scene_source, only: scene_source, find_group, refuse
+   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
+   use poinsot_scene_names, only: effect_table, method_list, splitting_list, is_exact_method
+   use poinsot_scene_typed_group, only: typed_group, meet, given, number_of, numbers_of, word_of, &
+      integer_of, complain
+   use poinsot_scene_bodies, only: build_bodies
+   use poinsot_scene_effects, only: build_effects
+   use poinsot_scene_schedule, only: step_total, output_count
+   implicit none(type, external)
+   private
+   public :: build_scene
+
+   integer(i8), parameter :: largest_count = 2000000000_i8 !! bodies of a scene
+   real(dp), parameter :: most_steps = 1e15_dp, most_outputs = 1e9_dp
+
+contains
+
+   !> Make a typed scene of a scanned file. Error: POINSOT_E_SCENE, or POINSOT_E_DOMAIN for a body,
+   !> with a message that names file, line, group and key, and what would be right.
+   subroutine build_scene(source, scene, error)
+      type(scene_source), intent(in) :: source
+      type(scene_settings), intent(out) :: scene
+      type(poinsot_error), intent(inout) :: error
+      type(effect_info), allocatable :: effects(:)
+      scene%file = source%file
+      scene%name = base_name(source%file)
+      call effect_table(effects)
+      call check_groups(source, effects, error)
+      if (.not. raised(error)) call build_run(source, scene, error)
+      if (.not. raised(error)) call build_all_bodies(source, scene, error)
+      if (.not. raised(error)) call build_effects(source, scene, error)
+      if (.not. raised(error)) call build_output(source, scene, error)
+      if (.not. raised(error)) call check_run(source, scene, error)
+   end subroutine build_scene
+
+   !> The file's name without its folder and its ending.
+   pure function base_name(file) result(name)
+      character(*), intent(in) :: file
+      character(:), allocatable :: name
+      integer :: dot
+      name = file(index(file, "/", back=.true.) + 1:)
+      dot = index(name, ".", back=.true.)
+      if (dot > 1) name = name(:dot - 1)
+   end function base_name
+
+   !> Every group known, none but &bodies twice, &scene and &bodies there.
+   subroutine check_groups(source, effects, error)
+      type(scene_source), intent(in) :: source
+      type(effect_info), intent(in) :: effects(:)
+      type(poinsot_error), intent(inout) :: error
+      character(24), allocatable :: known(:)
+      integer :: i, first
+      allocate (known(3 + size(effects)))
+      known(:3) = [character(24) :: "scene", "bodies", "output"]
+      known(4:) = effects%name
+      do i = 1, source%count
+         if (.not. any(known == source%groups(i)%name)) then
+            call refuse(error, source%file, source%groups(i)%line, "unknown group " // &
+                        quoted("&" // source%groups(i)%name) // "; the nearest known group is ""&" // &
+                        nearest_name(source%groups(i)%name, known) // """")
+            return
+         end if
+         first = find_group(source, source%groups(i)%name)
+         if (first < i .and. source%groups(i)%name /= "bodies") then
+            call refuse(error, source%file, source%groups(i)%line, "a second &" // &
+                        source%groups(i)%name // ", the first is in line " // &
+                        text_of(source%groups(first)%line) // "; only &bodies may be repeated")
+            return
+         end if
+      end do
+      if (find_group(source, "scene") == 0) then
+         call refuse(error, source%file, 0, "has no &scene group; t_end at least must be given there")
+      else if (find_group(source, "bodies") == 0) then
+         call refuse(error, source%file, 0, "has no &bodies group; at least one body is needed")
+      end if
+   end subroutine check_groups
+
+   !> &scene
+   subroutine build_run(source, scene, error)
+      type(scene_source), intent(in) :: source
+      type(scene_settings), intent(inout) :: scene
+      type(poinsot_error), intent(inout) :: error
+      type(typed_group) :: group
+      type(effect_info) :: info
+      integer(i8) :: threads
+      call scene_keys(info)
+      call meet(source%file, source%groups(find_group(source, "scene")), info, group, error)
+      if (raised(error)) return
+      scene%t_end = number_of(group, "t_end")
+      scene%h = number_of(group, "h")
+      scene%tol = number_of(group, "tol")
+      scene%method = word_of(group, "method")
+      scene%splitting = word_of(group, "splitting")
+      scene%from = word_of(group, "from")
+      if (scene%t_end <= 0) then
+         call complain(group, "t_end", "= " // text_of(scene%t_end) // " must be positive", error)
+      else if (scene%h < 0 .or. (given(group, "h") .and. scene%h <= 0)) then
+         call complain(group, "h", "= " // text_of(scene%h) // " must be positive", error)
+      else if (scene%h > 0 .and. scene%t_end/max(scene%h, 1e-290_dp) > most_steps) then
+         call complain(group, "h", "= " // text_of(scene%h) // " makes more than 1e15 steps to " // &
+                       "t_end = " // text_of(scene%t_end) // "; give a longer step", error)
+      else if (scene%tol < 1e-15_dp .or. scene%tol > 1) then
+         call complain(group, "tol", "= " // text_of(scene%tol) // " is not from 1e-15 to 1", error)
+      end if
+      if (.not. raised(error)) call integer_of(group, "seed", -9007199254740992_i8, &
+                                               9007199254740992_i8, scene%seed, error)
+      if (.not. raised(error)) call integer_of(group, "threads", 0_i8, 4096_i8, threads, error)
+      if (raised(error)) return
+      scene%threads = int(threads)
+      call check_name(group, "method", scene%method, error)
+      if (.not. raised(error)) call check_name(group, "splitting", scene%splitting, error)
+   end subroutine build_run
+
+   !> A method or splitting that exists.
+   subroutine check_name(group, key, name, error)
+      type(typed_group), intent(in) :: group
+      character(*), intent(in) :: key, name
+      type(poinsot_error), intent(inout) :: error
+      character(24), allocatable :: known(:)
+      if (key == "method") then
+         call method_list(known)
+      else
+         call splitting_list(known)
+      end if
+      if (any(known == name)) return
+      call complain(group, key, "= " // quoted(name) // ": unknown " // key // &
+                    "; the nearest known one is """ // &
+                    nearest_name(name(:min(len(name), 60)), known) // """ (poinsot " // key // &
+                    "s shows all)", error)
+   end subroutine check_name
+
+   !> All &bodies groups.
+   subroutine build_all_bodies(source, scene, error)
+      type(scene_source), intent(in) :: source
+      type(scene_settings), intent(inout) :: scene
+      type(poinsot_error), intent(inout) :: error
+      type(typed_group) :: group
+      type(effect_info) :: info
+      integer :: i, found, groups
+      groups = 0
+      do while (find_group(source, "bodies", groups + 1) > 0)
+         groups = groups + 1
+      end do
+      allocate (scene%bodies(groups))
+      call bodies_keys(info)
+      do i = 1, groups
+         found = find_group(source, "bodies", i)
+         call meet(source%file, source%groups(found), info, group, error)
+         if (.not. raised(error)) call build_bodies(group, scene%bodies(i), error)
+         if (raised(error)) return
+         if (body_total(scene) <= largest_count) cycle
+         call complain(group, "count", "makes more than " // text_of(largest_count) // " bodies", error)
+         return
+      end do
+   end subroutine build_all_bodies
+
+   !> &output
+   subroutine build_output(source, scene, error)
+      type(scene_source), intent(in) :: source
+      type(scene_settings), intent(inout) :: scene
+      type(poinsot_error), intent(inout) :: error
+      type(typed_group) :: group
+      type(effect_info) :: info
+      character(:), allocatable :: word
+      integer :: k
+      allocate (scene%output%bodies(0), scene%output%times(0))
+      scene%output%restart = "restart.txt"
+      scene%output%pictures = "none"
+      k = find_group(source, "output")
+      if (k == 0) return
+      call output_keys(info)
+      call meet(source%file, source%groups(k), info, group, error)
+      if (raised(error)) return
+      scene%output%present = .true.
+      word = word_of(group, "format")
+      scene%output%csv = index(word, "csv") > 0
+      scene%output%extxyz = index(word, "extxyz") > 0
+      scene%output%pictures = word_of(group, "pictures")
+      scene%output%restart = word_of(group, "restart")
+      if (index(scene%output%restart, "/") > 0) then
+         call complain(group, "restart", "= " // quoted(scene%output%restart) // &
+                       " is the name of a file in the output folder and has no /", error)
+         return
+      end if
+      call build_times(group, scene, error)
+      if (.not. raised(error)) call build_choice(group, scene, error)
+      if (.not. raised(error)) call build_pictures(group, scene, error)
+   end subroutine build_output
+
+   !> Which pictures, and of what.
+   subroutine build_pictures(group, scene, error)
+      type(typed_group), intent(in) :: group
+      type(scene_settings), intent(inout) :: scene
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: axis(:), centre(:)
+      integer :: i
+      call numbers_of(group, "axis", axis)
+      scene%output%rate = number_of(group, "rate")
+      allocate (centre(0))
+      do i = 1, size(scene%effects)
+         if (scene%effects(i)%name /= "gravity") cycle
+         call get_setting(scene%effects(i)%settings, "centre", centre)
+         if (scene%output%pictures == "auto") scene%output%pictures = "top"
+      end do
+      if (scene%output%pictures == "auto") scene%output%pictures = "body"
+      if (scene%output%pictures == "body" .and. written(scene) > 20) &
+         scene%output%pictures = "ensemble"
+      if (size(axis) == 0) axis = centre
+      if (size(axis) == 0) axis = scene%output%axis
+      if (maxval(abs(axis)) <= 0) then
+         call complain(group, "axis", "is zero; a direction is needed", error)
+         return
+      end if
+      axis = axis/maxval(abs(axis))
+      scene%output%axis = axis/norm2(axis)
+   end subroutine build_pictures
+
+   !> How many bodies are written.
+   pure integer(i8) function written(scene)
+      type(scene_settings), intent(in) :: scene
+      written = size(scene%output%bodies)
+      if (written == 0) written = body_total(scene)
+   end function written
+
+   !> The numbers of a key in a list of settings; untouched if it is not there.
+   pure subroutine get_setting(settings, key, values)
+      type(setting), intent(in) :: settings(:)
+      character(*), intent(in) :: key
+      real(dp), allocatable, intent(inout) :: values(:)
+      integer :: i
+      do i = 1, size(settings)
+         if (settings(i)%key == key .and. allocated(settings(i)%values)) values = settings(i)%values
+      end do
+   end subroutine get_setting
+
+   !> every, or times.
+   subroutine build_times(group, scene, error)
+      type(typed_group), intent(in) :: group
+      type(scene_settings), intent(inout) :: scene
+      type(poinsot_error), intent(inout) :: error
+      integer :: n
+      if (given(group, "every") .eqv. given(group, "times")) then
+         call complain(group, "every", "or times must be given, one of the two", error)
+      else if (given(group, "every")) then
+         scene%output%every = number_of(group, "every")
+         if (scene%output%every <= 0) then
+            call complain(group, "every", "= " // text_of(scene%output%every) // &
+                          " must be positive", error)
+         else if (scene%t_end/max(scene%output%every, 1e-290_dp) > most_outputs) then
+            call complain(group, "every", "= " // text_of(scene%output%every) // &
+                          " makes more than 1e9 outputs", error)
+         end if
+      else
+         call numbers_of(group, "times", scene%output%times)
+         n = size(scene%output%times)
+         if (scene%output%times(1) < 0 .or. scene%output%times(n) > scene%t_end) then
+            call complain(group, "times", "leave the run from 0 to t_end = " // &
+                          text_of(scene%t_end), error)
+         else if (any(scene%output%times(2:) <= scene%output%times(:n - 1))) then
+            call complain(group, "times", "must ascend", error)
+         end if
+      end if
+   end subroutine build_times
+
+   !> Which bodies are written.
+   subroutine build_choice(group, scene, error)
+      type(typed_group), intent(in) :: group
+      type(scene_settings), intent(inout) :: scene
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: numbers(:)
+      integer :: i
+      call numbers_of(group, "bodies", numbers)
+      do i = 1, size(numbers)
+         if (numbers(i) >= 1 .and. numbers(i) <= real(body_total(scene), dp)) then
+            if (abs(numbers(i) - aint(numbers(i))) <= 0) cycle
+         end if
+         call complain(group, "bodies", "names body " // text_of(numbers(i)) // &
+                       "; the scene has bodies 1 to " // text_of(body_total(scene)), error)
+         return
+      end do
+      scene%output%bodies = nint(numbers, i8)
+      if (all(scene%output%bodies(2:) > scene%output%bodies(:max(size(numbers) - 1, 0)))) return
+      call complain(group, "bodies", "must ascend, each number once", error)
+   end subroutine build_choice
+
+   !> What only the whole scene shows.
+   subroutine check_run(source, scene, error)
+      type(scene_source), intent(in) :: source
+      type(scene_settings), intent(in) :: scene
+      type(poinsot_error), intent(inout) :: error
+      integer :: line
+      line = source%groups(find_group(source, "scene"))%line
+      if (step_total(scene) > most_steps) then
+         call refuse(error, scene%file, line, "&scene: more than 1e15 steps; give a longer h")
+      else if (scene%h <= 0 .and. size(scene%effects) > 0) then
+         call refuse(error, scene%file, line, "&scene: the key ""h"" is required, because of &" // &
+                     scene%effects(1)%name // "; only free bodies do without")
+      else if (scene%h <= 0 .and. .not. is_exact_method(scene%method)) then
+         call refuse(error, scene%file, line, "&scene: the key ""h"" is required for method = '" // &
+                     scene%method // "'; only 'exact' and 'jacobi' do without")
+      end if
+   end subroutine check_run
+
+end module poinsot_scene_build

@@ -1,0 +1,83 @@
+!> What should stay constant, followed through a run: the largest change of each since the start.
+module poinsot_scene_drift
+   use poinsot_core_kinds, only: dp
+   use poinsot_body_invariants, only: space_momentum
+   use poinsot_scene_states, only: body_states
+   implicit none(type, external)
+   private
+   public :: drift_watch, start_drift, follow_drift
+
+   !> First values and largest changes, all of them relative to the scale of their own quantity.
+   type :: drift_watch
+      real(dp), allocatable :: length(:)        !! (n): |y| at the start
+      real(dp), allocatable :: momentum(:, :)   !! (3, n): Q y at the start
+      real(dp), allocatable :: size_y(:)        !! (n): largest |y| so far
+      real(dp) :: total = 0                     !! energy of all bodies at the start
+      real(dp) :: total_size = 0
+      real(dp) :: energy_change = 0             !! of all bodies together
+      real(dp) :: casimir_change = 0            !! |y|, body by body
+      real(dp) :: momentum_change = 0           !! Q y, body by body
+      real(dp) :: vertical_change = 0           !! third component of Q y, body by body
+      real(dp) :: norm_change = 0               !! |q|
+   end type drift_watch
+
+contains
+
+   !> Remember the start.
+   subroutine start_drift(states, kinetic, potential, drift, code)
+      type(body_states), intent(in) :: states
+      real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
+      type(drift_watch), intent(out) :: drift
+      integer, intent(out) :: code                     !! not 0: no memory
+      integer :: i, n
+      n = states%n
+      allocate (drift%length(n), drift%momentum(3, n), drift%size_y(n), stat=code)
+      if (code /= 0) return
+      do i = 1, n
+         drift%length(i) = length_of(states%y(:, i))
+         drift%momentum(:, i) = space_momentum(states%y(:, i), states%q(:, i))
+      end do
+      drift%size_y = drift%length
+      drift%total = sum(kinetic) + sum(potential)
+      drift%total_size = sum(abs(kinetic)) + sum(abs(potential))
+   end subroutine start_drift
+
+   !> Compare with the start.
+   subroutine follow_drift(states, kinetic, potential, drift)
+      type(body_states), intent(in) :: states
+      real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
+      type(drift_watch), intent(inout) :: drift
+      real(dp) :: now(3), length
+      integer :: i
+      do i = 1, states%n
+         length = length_of(states%y(:, i))
+         drift%size_y(i) = max(drift%size_y(i), length)
+         now = space_momentum(states%y(:, i), states%q(:, i)) - drift%momentum(:, i)
+         drift%casimir_change = max(drift%casimir_change, &
+                                    relative(length - drift%length(i), drift%size_y(i)))
+         drift%momentum_change = max(drift%momentum_change, &
+                                     relative(length_of(now), drift%size_y(i)))
+         drift%vertical_change = max(drift%vertical_change, relative(now(3), drift%size_y(i)))
+         drift%norm_change = max(drift%norm_change, abs(norm2(states%q(:, i)) - 1))
+      end do
+      drift%total_size = max(drift%total_size, sum(abs(kinetic)) + sum(abs(potential)))
+      drift%energy_change = max(drift%energy_change, &
+                                relative(sum(kinetic) + sum(potential) - drift%total, drift%total_size))
+   end subroutine follow_drift
+
+   !> |v| without leaving the range of numbers.
+   pure real(dp) function length_of(v)
+      real(dp), intent(in) :: v(3)
+      real(dp) :: unit
+      unit = maxval(abs(v))
+      length_of = 0
+      if (unit > 0) length_of = unit*norm2(v/unit)
+   end function length_of
+
+   pure real(dp) function relative(change, scale)
+      real(dp), intent(in) :: change, scale
+      relative = 0
+      if (scale > 0) relative = abs(change)/scale
+   end function relative
+
+end module poinsot_scene_drift

@@ -1,0 +1,146 @@
+!> The effect groups of a scene: keys checked here with file and line, values by the effect itself.
+module poinsot_scene_effects
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_status, only: poinsot_e_io
+   use poinsot_effect_effect, only: effect
+   use poinsot_effect_registry, only: make_effect
+   use poinsot_effect_settings, only: effect_info, setting, was_given, number_setting
+   use poinsot_scene_source, only: scene_source, find_group, refuse
+   use poinsot_scene_text, only: text_of
+   use poinsot_scene_names, only: effect_table
+   use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
+   use poinsot_scene_typed_group, only: typed_group, meet, given, word_of, number_of, complain
+   use poinsot_scene_table, only: read_table
+   implicit none(type, external)
+   private
+   public :: build_effects, body_positions
+
+contains
+
+   !> All effect groups of the file. Error: POINSOT_E_SCENE naming file, line, group and key.
+   subroutine build_effects(source, scene, error)
+      type(scene_source), intent(in) :: source
+      type(scene_settings), intent(inout) :: scene !! its bodies are known; gets the effects
+      type(poinsot_error), intent(inout) :: error
+      type(effect_info), allocatable :: table(:)
+      type(effect_setting), allocatable :: found(:)
+      integer :: i, k, n
+      call effect_table(table)
+      allocate (found(size(table)))
+      n = 0
+      do i = 1, size(table)
+         k = find_group(source, trim(table(i)%name))
+         if (k == 0) cycle
+         n = n + 1
+         call build_one(source, k, table(i), scene, found(n), error)
+         if (raised(error)) return
+      end do
+      allocate (scene%effects(n))
+      scene%effects = found(:n)
+   end subroutine build_effects
+
+   !> One group; the effect is made once to have its values checked.
+   subroutine build_one(source, k, info, scene, item, error)
+      type(scene_source), intent(in) :: source
+      integer, intent(in) :: k
+      type(effect_info), intent(in) :: info
+      type(scene_settings), intent(in) :: scene
+      type(effect_setting), intent(out) :: item
+      type(poinsot_error), intent(inout) :: error
+      type(typed_group) :: group
+      type(poinsot_error) :: refused
+      class(effect), allocatable :: made
+      call meet(source%file, source%groups(k), info, group, error)
+      if (raised(error)) return
+      item%name = group%name
+      item%line = group%line
+      item%settings = group%settings
+      if (number_of(group, "class") > size(scene%bodies)) then
+         call complain(group, "class", "= " // text_of(nint(number_of(group, "class"))) // &
+                       " is not the number of a &bodies group; there are " // &
+                       text_of(size(scene%bodies)), error)
+         return
+      end if
+      if (item%name == "torque") call take_file(source%file, group, item, error)
+      if (item%name == "dipoles") call take_positions(scene, item)
+      if (raised(error)) return
+      call make_effect(item%name, item%settings, made, refused)
+      if (raised(refused)) call refuse(error, source%file, group%line, "&" // group%name // ": " // &
+                                       refused%message)
+   end subroutine build_one
+
+   !> &torque file = '...': its numbers in place of times and table.
+   subroutine take_file(scene_file, group, item, error)
+      character(*), intent(in) :: scene_file
+      type(typed_group), intent(in) :: group
+      type(effect_setting), intent(inout) :: item
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: times(:), rows(:)
+      character(:), allocatable :: name
+      integer :: i, n
+      if (.not. given(group, "file")) return
+      if (given(group, "times") .or. given(group, "table")) then
+         call complain(group, "file", "and times or table are both given; leave one out", error)
+         return
+      end if
+      name = word_of(group, "file")
+      if (len(name) == 0) then
+         call complain(group, "file", "is empty; name a file with lines of t and three torques", error)
+         return
+      end if
+      if (name(1:1) /= "/") name = scene_file(:index(scene_file, "/", back=.true.)) // name
+      call read_table(name, 3, times, rows, error)
+      if (raised(error)) return
+      n = 0
+      do i = 1, size(item%settings)
+         if (item%settings(i)%key == "file") cycle
+         n = n + 1
+         item%settings(n) = item%settings(i)
+      end do
+      call extend(item, n, number_setting("times", times))
+      call extend(item, size(item%settings), number_setting("table", rows))
+   end subroutine take_file
+
+   !> The first n settings and one more.
+   subroutine extend(item, n, more)
+      type(effect_setting), intent(inout) :: item
+      integer, intent(in) :: n
+      type(setting), intent(in) :: more
+      type(setting), allocatable :: longer(:)
+      allocate (longer(n + 1))
+      longer(:n) = item%settings(:n)
+      longer(n + 1) = more
+      call move_alloc(longer, item%settings)
+   end subroutine extend
+
+   !> Dipoles sit where the &bodies groups put their bodies, if they put them anywhere.
+   subroutine take_positions(scene, item)
+      type(scene_settings), intent(in) :: scene
+      type(effect_setting), intent(inout) :: item
+      real(dp), allocatable :: position(:, :)
+      if (was_given(item%settings, "positions") .or. was_given(item%settings, "spacing")) return
+      if (body_total(scene) > 100000) return ! more than pairs are meant for: its own message
+      call body_positions(scene, position)
+      if (all(abs(position) <= 0)) return
+      call extend(item, size(item%settings), &
+                  number_setting("positions", reshape(position, [size(position)])))
+   end subroutine take_positions
+
+   !> Positions of all bodies, as their groups say.
+   subroutine body_positions(scene, position)
+      type(scene_settings), intent(in) :: scene
+      real(dp), allocatable, intent(out) :: position(:, :) !! (3, bodies)
+      integer(i8) :: j, n
+      integer :: i
+      allocate (position(3, body_total(scene)))
+      n = 0
+      do i = 1, size(scene%bodies)
+         do j = 1, scene%bodies(i)%count
+            n = n + 1
+            position(:, n) = scene%bodies(i)%position + real(j - 1, dp)*scene%bodies(i)%spacing
+         end do
+      end do
+   end subroutine body_positions
+
+end module poinsot_scene_effects

@@ -1,0 +1,127 @@
+!> A scene as a plan: its groups are the body classes, its effects the plan's, and one view of the
+!> state arrays is all a step needs.
+module poinsot_scene_engine
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_partial, status_text
+   use poinsot_ensemble_bodies, only: body_view, view_rows
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option, add_effect, make_ready
+   use poinsot_ensemble_step, only: step_bodies
+   use poinsot_ensemble_observe, only: body_energies
+   use poinsot_scene_text, only: text_of
+   use poinsot_scene_settings, only: scene_settings, effect_setting
+   use poinsot_scene_states, only: body_states
+   use poinsot_scene_turn, only: turn_effect, any_turned
+   implicit none(type, external)
+   private
+   public :: engine, start_engine, engine_step, engine_energy
+
+   !> What does not change during a run.
+   type :: engine
+      type(poinsot_plan) :: plan
+   end type engine
+
+contains
+
+   !> Make the plan. Error: whatever the plan refuses.
+   subroutine start_engine(scene, this, error, method)
+      type(scene_settings), intent(in) :: scene
+      type(engine), intent(out) :: this
+      type(poinsot_error), intent(inout) :: error
+      character(*), intent(in), optional :: method !! instead of the scene's
+      integer :: i, number
+      do i = 1, size(scene%bodies)
+         if (.not. raised(error)) call add_class(this%plan, scene%bodies(i)%moments, number, error)
+      end do
+      if (present(method)) then
+         call set(this, "method", method, error)
+      else
+         call set(this, "method", scene%method, error)
+      end if
+      call set(this, "splitting", scene%splitting, error)
+      call set(this, "threads", text_of(scene%threads), error)
+      call set(this, "seed", text_of(scene%seed), error)
+      do i = 1, size(scene%effects)
+         call add_to_plan(scene, scene%effects(i), this%plan, error)
+      end do
+      if (.not. raised(error)) call make_ready(this%plan, error)
+   end subroutine start_engine
+
+   subroutine set(this, key, value, error)
+      type(engine), intent(inout) :: this
+      character(*), intent(in) :: key, value
+      type(poinsot_error), intent(inout) :: error
+      if (.not. raised(error)) call set_option(this%plan, key, value, error)
+   end subroutine set
+
+   !> An effect into the plan. Where a group has a frame of its own, the effect's body vectors are
+   !> turned into the principal frame, for each group apart.
+   subroutine add_to_plan(scene, item, plan, error)
+      type(scene_settings), intent(in) :: scene
+      type(effect_setting), intent(in) :: item
+      type(poinsot_plan), intent(inout) :: plan
+      type(poinsot_error), intent(inout) :: error
+      type(effect_setting) :: turned
+      integer :: class
+      if (raised(error)) return
+      if (.not. any_turned(scene)) then
+         call add_effect(plan, item%name, item%settings, error)
+         return
+      end if
+      do class = 1, size(scene%bodies)
+         call turn_effect(scene, item, class, turned)
+         if (size(turned%settings) == 0) cycle ! not for this class
+         call add_effect(plan, turned%name, turned%settings, error)
+         if (raised(error)) return
+      end do
+   end subroutine add_to_plan
+
+   !> See the states as the plan does.
+   subroutine look(states, view)
+      type(body_states), intent(in), target :: states
+      type(body_view), intent(out) :: view
+      call view_rows(states%y, states%q, view)
+      view%body_class => states%group
+      view%carry => states%carry
+      view%status => states%status
+   end subroutine look
+
+   !> `steps` steps of h from time t. Error: POINSOT_E_PARTIAL if bodies failed, naming the first.
+   subroutine engine_step(this, states, t, h, first, steps, error)
+      type(engine), intent(in), target :: this
+      type(body_states), intent(inout), target :: states
+      real(dp), intent(in) :: t, h                !! time of the first step, length of each
+      integer(i8), intent(in) :: first, steps     !! number of the first step, how many
+      type(poinsot_error), intent(inout) :: error
+      type(body_view) :: view
+      integer :: status, i
+      states%status = poinsot_ok
+      call look(states, view)
+      call step_bodies(this%plan, view, t, h, first, steps, status, error)
+      if (raised(error) .or. status == poinsot_ok) return
+      do i = 1, states%n - 1
+         if (states%status(i) /= poinsot_ok) exit
+      end do
+      call raise(error, poinsot_e_partial, text_of(count(states%status /= poinsot_ok)) // " of " // &
+                 text_of(states%n) // " bodies failed between t = " // text_of(t) // " and " // &
+                 text_of(t + real(steps, dp)*h) // "; the first is body " // text_of(i) // ": " // &
+                 status_text(states%status(i)))
+   end subroutine engine_step
+
+   !> Energies of all bodies at time t.
+   subroutine engine_energy(this, states, t, kinetic, potential, error)
+      type(engine), intent(in), target :: this
+      type(body_states), intent(inout), target :: states
+      real(dp), intent(in) :: t
+      real(dp), intent(out) :: kinetic(:), potential(:)   !! (n)
+      type(poinsot_error), intent(inout) :: error
+      type(body_view) :: view
+      integer :: status
+      states%status = poinsot_ok
+      call look(states, view)
+      call body_energies(this%plan, view, t, kinetic, potential, status, error)
+      if (status /= poinsot_ok .and. .not. raised(error)) &
+         call raise(error, poinsot_e_partial, "some bodies have no energy at t = " // text_of(t))
+   end subroutine engine_energy
+
+end module poinsot_scene_engine

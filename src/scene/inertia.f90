@@ -1,0 +1,97 @@
+!> The principal moments of a &bodies group, from moments, a tensor or a shape.
+module poinsot_scene_inertia
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_error, only: poinsot_error, raised, clear
+   use poinsot_rotation_conversions, only: from_matrix
+   use poinsot_body_moments, only: check_moments
+   use poinsot_body_inertia, only: principal_axes
+   use poinsot_body_shapes, only: shape_moments, shape_names, shape_sizes
+   use poinsot_core_nearest, only: nearest_name
+   use poinsot_scene_text, only: quoted
+   use poinsot_scene_settings, only: body_group
+   use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, complain
+   implicit none(type, external)
+   private
+   public :: find_moments
+
+contains
+
+   !> Exactly one of moments, tensor and shape. Error: POINSOT_E_SCENE naming file, line and key.
+   subroutine find_moments(group, bodies, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(inout) :: bodies !! gets moments, axes, frame, turned
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: values(:)
+      select case (count([given(group, "moments"), given(group, "tensor"), given(group, "shape")]))
+      case (0)
+         call complain(group, "moments", "are missing (or a tensor, or a shape)", error)
+         return
+      case (2:)
+         call complain(group, "moments", "tensor and shape: give one of them only", error)
+         return
+      end select
+      if (.not. given(group, "shape") .and. (given(group, "mass") .or. given(group, "size"))) then
+         call complain(group, "shape", "is missing, but mass or size is given", error)
+      else if (given(group, "tensor")) then
+         call from_tensor(group, bodies, error)
+      else if (given(group, "shape")) then
+         call from_shape(group, bodies, error)
+      else
+         call numbers_of(group, "moments", values)
+         bodies%moments = values
+         call check_moments(bodies%moments, error)
+         call relabel(group, "moments", error)
+      end if
+   end subroutine find_moments
+
+   !> A full tensor; the scene's frame is then the tensor's, the library's the principal one.
+   subroutine from_tensor(group, bodies, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(inout) :: bodies
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: values(:)
+      call numbers_of(group, "tensor", values)
+      call principal_axes(transpose(reshape(values, [3, 3])), bodies%moments, bodies%axes, error)
+      call relabel(group, "tensor", error)
+      if (raised(error)) return
+      bodies%turned = .true.
+      bodies%frame = from_matrix(bodies%axes)
+   end subroutine from_tensor
+
+   !> A named shape.
+   subroutine from_shape(group, bodies, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(inout) :: bodies
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: values(:)
+      real(dp) :: lengths(3), mass
+      character(:), allocatable :: name
+      name = word_of(group, "shape")
+      if (shape_sizes(name) < 0) then
+         call complain(group, "shape", "= " // quoted(name) // ": unknown shape; the nearest known " // &
+                       "one is """ // nearest_name(name(:min(len(name), 60)), shape_names()) // """", &
+                       error)
+         return
+      end if
+      call numbers_of(group, "size", values)
+      lengths = 0
+      lengths(:size(values)) = values
+      mass = number_of(group, "mass")
+      if (shape_sizes(name) == 0 .and. .not. given(group, "mass")) mass = 0
+      call shape_moments(name, mass, lengths, bodies%moments, error)
+      call relabel(group, "shape", error)
+   end subroutine from_shape
+
+   !> An error of the body room, with the place in front.
+   subroutine relabel(group, key, error)
+      type(typed_group), intent(in) :: group
+      character(*), intent(in) :: key
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: message
+      if (.not. raised(error)) return
+      message = error%message
+      call clear(error)
+      call complain(group, key, "refused: " // message, error)
+   end subroutine relabel
+
+end module poinsot_scene_inertia

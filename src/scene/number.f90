@@ -1,0 +1,103 @@
+!> Numbers as a scene file may write them, checked letter by letter before Fortran reads them: a host
+!> may run with floating-point traps on, so a text such as 1e999 must never reach the run-time library.
+module poinsot_scene_number
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_scene_text, only: lower
+   implicit none(type, external)
+   private
+   public :: parse_real, parse_integer
+   public :: number_ok, number_no, number_range
+
+   integer, parameter :: number_ok = 0    !! read
+   integer, parameter :: number_no = 1    !! not a number
+   integer, parameter :: number_range = 2 !! a number beyond 1e307 in size, or not finite
+
+contains
+
+   !> A real: [+-]digits[.digits][(e|d)[+-]digits]; nan, inf: number_range.
+   pure subroutine parse_real(text, value, outcome)
+      character(*), intent(in) :: text !! without blanks
+      real(dp), intent(out) :: value
+      integer, intent(out) :: outcome  !! number_ok, number_no or number_range
+      character(:), allocatable :: word, digits
+      integer :: at, point, power, mark
+      value = 0
+      outcome = number_no
+      word = lower(text)
+      if (len(word) == 0 .or. len(word) > 400) return
+      at = 1
+      if (scan(word(1:1), "+-") == 1) at = 2
+      select case (word(at:))
+      case ("nan", "inf", "infinity")
+         outcome = number_range
+         return
+      end select
+      mark = scan(word, "ed")
+      if (mark == 0) mark = len(word) + 1
+      digits = word(at:mark - 1)
+      point = index(digits, ".")
+      if (point == 0) then
+         point = len(digits) + 1
+      else
+         digits = digits(:point - 1) // digits(point + 1:)
+      end if
+      if (len(digits) == 0 .or. verify(digits, "0123456789") > 0) return
+      call parse_power(word, mark, power, outcome)
+      if (outcome == number_no) return
+      at = verify(digits, "0")
+      if (at == 0) outcome = number_ok
+      if (at == 0) return                       ! zero, whatever its power
+      if (outcome == number_range .or. point - 1 - at + power >= 307) then
+         outcome = number_range
+         if (power < 0) outcome = number_ok     ! far below the smallest number: zero
+         return
+      end if
+      if (point - 1 - at + power < -330) return
+      read (text, *) value
+   end subroutine parse_real
+
+   !> The power of ten behind the letter at `mark`; number_range for more than six digits.
+   pure subroutine parse_power(word, mark, power, outcome)
+      character(*), intent(in) :: word
+      integer, intent(in) :: mark
+      integer, intent(out) :: power, outcome
+      integer :: at
+      power = 0
+      outcome = number_ok
+      if (mark > len(word)) return
+      outcome = number_no
+      at = mark + 1
+      if (at > len(word)) return
+      if (scan(word(at:at), "+-") == 1) at = at + 1
+      if (at > len(word)) return
+      if (verify(word(at:), "0123456789") > 0) return
+      if (len(word) - at >= 6) then
+         outcome = number_range
+         power = 999999
+      else
+         outcome = number_ok
+         read (word(at:), *) power
+      end if
+      if (word(mark + 1:mark + 1) == "-") power = -power
+   end subroutine parse_power
+
+   !> An integer: [+-]digits, at most 18 of them.
+   pure subroutine parse_integer(text, value, outcome)
+      character(*), intent(in) :: text
+      integer(i8), intent(out) :: value
+      integer, intent(out) :: outcome !! number_ok, number_no or number_range
+      integer :: at
+      value = 0
+      outcome = number_no
+      if (len(text) == 0) return
+      at = 1
+      if (scan(text(1:1), "+-") == 1) at = 2
+      if (at > len(text)) return
+      if (verify(text(at:), "0123456789") > 0) return
+      outcome = number_range
+      if (len(text) - at + 1 > 18) return
+      read (text, *) value
+      outcome = number_ok
+   end subroutine parse_integer
+
+end module poinsot_scene_number

@@ -1,0 +1,99 @@
+!> Settings from a command line, "group.key=value", put into a scanned scene as if the file had them.
+module poinsot_scene_override
+   use poinsot_core_kinds, only: i8
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_scene_text, only: lower, quoted, text_of
+   use poinsot_scene_number, only: parse_integer, number_ok
+   use poinsot_scene_reader, only: scan_values
+   use poinsot_scene_source, only: scene_source, scene_group, scene_entry, append, find_group, refuse
+   implicit none(type, external)
+   private
+   public :: override
+
+   character(*), parameter :: place = "--set" !! stands for the file in messages
+
+contains
+
+   !> Put one setting in, over the file's own value of that key; a group that is not there is added.
+   !> `bodies(2).key=value` names the second &bodies group. Error: POINSOT_E_SCENE for what is not of
+   !> that form; whether group and key exist is found out when the scene is built.
+   subroutine override(text, source, error)
+      character(*), intent(in) :: text               !! group.key=value
+      type(scene_source), intent(inout) :: source
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: group
+      type(scene_entry) :: entry
+      integer :: equals, dot, nth
+      equals = index(text, "=")
+      dot = index(text(:max(equals - 1, 0)), ".")
+      if (dot < 2 .or. equals < dot + 2 .or. equals == len(text)) then
+         call refuse(error, place, 0, quoted(text) // " is not of the form group.key=value")
+         return
+      end if
+      group = lower(trim(adjustl(text(:dot - 1))))
+      entry%key = lower(trim(adjustl(text(dot + 1:equals - 1))))
+      call take_number(group, nth, error)
+      if (.not. raised(error)) call scan_values(text(equals + 1:), place, group, entry, error)
+      if (raised(error)) return
+      if (group == "bodies" .and. nth == 0 .and. find_group(source, "bodies", 2) > 0) then
+         call refuse(error, place, 0, quoted(text) // ": the scene has several &bodies groups; " // &
+                     "name one, as in bodies(2)." // entry%key)
+         return
+      end if
+      call put_entry(source, group, max(nth, 1), entry, error)
+   end subroutine override
+
+   !> "bodies(2)" into "bodies" and 2; 0 if there is no number.
+   subroutine take_number(group, nth, error)
+      character(:), allocatable, intent(inout) :: group
+      integer, intent(out) :: nth
+      type(poinsot_error), intent(inout) :: error
+      integer(i8) :: number
+      integer :: open, outcome
+      nth = 0
+      open = index(group, "(")
+      if (open == 0) return
+      outcome = number_ok + 1
+      if (group(len(group):) == ")") &
+         call parse_integer(group(open + 1:len(group) - 1), number, outcome)
+      if (outcome == number_ok) then
+         if (number < 1 .or. number > 1000000) outcome = number_ok + 1
+      end if
+      if (outcome /= number_ok) then
+         call refuse(error, place, 0, quoted(group) // " does not name a group, as bodies(2) does")
+         return
+      end if
+      nth = int(number)
+      group = group(:open - 1)
+   end subroutine take_number
+
+   !> The entry into the nth group of that name.
+   subroutine put_entry(source, name, nth, entry, error)
+      type(scene_source), intent(inout) :: source
+      character(*), intent(in) :: name
+      integer, intent(in) :: nth
+      type(scene_entry), intent(in) :: entry
+      type(poinsot_error), intent(inout) :: error
+      type(scene_group) :: group
+      integer :: k, i, kept
+      k = find_group(source, name, nth)
+      if (k == 0 .and. nth > 1) then
+         call refuse(error, place, 0, "there is no &" // name // " group number " // text_of(nth))
+         return
+      end if
+      if (k == 0) then
+         group%name = name
+         call append(source, group)
+         k = source%count
+      end if
+      kept = 0
+      do i = 1, source%groups(k)%count
+         if (source%groups(k)%entries(i)%key == entry%key) cycle
+         kept = kept + 1
+         if (kept < i) source%groups(k)%entries(kept) = source%groups(k)%entries(i)
+      end do
+      source%groups(k)%count = kept
+      call append(source%groups(k), entry)
+   end subroutine put_entry
+
+end module poinsot_scene_override

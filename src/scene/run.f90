@@ -1,0 +1,311 @@
+!> Run a typed scene: states, steps, frames, summary, restart, plot scripts.
+module poinsot_scene_run
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raise, raised, clear
+   use poinsot_core_status, only: poinsot_e_memory, poinsot_e_scene, poinsot_e_io
+   use poinsot_scene_text, only: text_of
+   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_schedule, only: piece, piece_count, get_piece
+   use poinsot_scene_states, only: body_states, first_states
+   use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy
+   use poinsot_scene_drift, only: start_drift, follow_drift
+   use poinsot_scene_files, only: make_folder, remove_file, file_exists
+   use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
+   use poinsot_scene_restart, only: restart_state, write_restart, read_restart
+   use poinsot_scene_summary, only: run_report, write_summary
+   use poinsot_scene_compare, only: compare_end
+   use poinsot_scene_pictures, only: write_pictures, picture_files
+   use poinsot_scene_watch, only: run_watch
+   implicit none(type, external)
+   private
+   public :: run_scene, check_scene
+
+   real(dp), parameter :: chunk = 2e6_dp !! body-steps between two looks at the watch
+   real(dp), parameter :: near = 1e-12_dp
+
+   !> Everything a run holds.
+   type :: run_state
+      type(engine) :: engine
+      type(body_states) :: states, begin
+      type(frame_writer) :: frames
+      real(dp), allocatable :: kinetic(:), potential(:)
+      real(dp) :: t = 0
+      integer(i8) :: step = 0
+      logical :: stopped = .false.
+   end type run_state
+
+contains
+
+   !> Run a scene and write its files into the folder `out`, which is made if it is not there.
+   !> Errors: POINSOT_E_IO, POINSOT_E_MEMORY, POINSOT_E_SCENE (restart file), POINSOT_E_PARTIAL and
+   !> others of the engine (numerical failure). After every error but a failing disk the summary says
+   !> that the run is not complete.
+   subroutine run_scene(scene, out, watch, report, error)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: out              !! folder for the output
+      class(run_watch), intent(inout) :: watch     !! asked whether to go on, told how far it is
+      type(run_report), intent(out) :: report      !! what the summary says
+      type(poinsot_error), intent(inout) :: error
+      type(run_state) :: run
+      type(poinsot_error) :: closing
+      real(dp) :: begun
+      begun = wall_clock()
+      report%state = "failed"
+      report%reason = ""
+      report%reference = ""
+      call prepare(scene, out, run, report, error)
+      if (raised(error)) return
+      call march(scene, run, watch, report, error)
+      call finish_frames(run%frames, closing)
+      report%t = run%t
+      report%all = wall_clock() - begun
+      if (raised(error)) then
+         report%reason = error%message
+      else if (raised(closing)) then
+         error = closing
+         report%reason = error%message
+      else if (run%stopped) then
+         report%state = "interrupted"
+         report%reason = "asked to stop; see " // scene%output%restart
+      else
+         report%state = "complete"
+         call compare_end(scene, run%begin, run%states, report)
+      end if
+      call clear(closing)
+      if (.not. raised(error)) call save_restart(scene, out, run, report, closing)
+      if (.not. raised(closing)) call write_summary(out // "/summary.txt", scene, report, run%states, &
+                                                    closing)
+      if (.not. raised(closing)) call write_pictures(scene, out, closing)
+      if (raised(closing) .and. .not. raised(error)) error = closing
+   end subroutine run_scene
+
+   !> Can the scene be run? Makes the plan, runs nothing. Error: whatever the plan refuses.
+   subroutine check_scene(scene, error)
+      type(scene_settings), intent(in) :: scene
+      type(poinsot_error), intent(inout) :: error
+      type(engine) :: trial
+      call start_engine(scene, trial, error)
+   end subroutine check_scene
+
+   !> Folder, states, engine, first frame.
+   subroutine prepare(scene, out, run, report, error)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: out
+      type(run_state), intent(inout) :: run
+      type(run_report), intent(inout) :: report
+      type(poinsot_error), intent(inout) :: error
+      integer :: code
+      report%method = scene%method
+      report%splitting = scene%splitting
+      call first_states(scene, run%states, error)
+      if (.not. raised(error)) call start_engine(scene, run%engine, error)
+      if (.not. raised(error)) call continue_from(scene, out, run, report, error)
+      if (raised(error)) return
+      allocate (run%kinetic(run%states%n), run%potential(run%states%n), stat=code)
+      if (code == 0 .and. body_total(scene) <= 1000) run%begin = run%states
+      if (code == 0) then
+         call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
+         if (raised(error)) return
+         call start_drift(run%states, run%kinetic, run%potential, report%drift, code)
+      end if
+      if (code /= 0) then
+         call raise(error, poinsot_e_memory, scene%file // ": no memory for " // &
+                    text_of(run%states%n) // " bodies")
+         return
+      end if
+      call make_folder(out, error)
+      if (raised(error)) return
+      call clean_folder(scene, out)
+      call open_frames(scene, out, run%frames, error)
+      if (raised(error) .or. len(scene%from) > 0) return
+      if (.not. writes_start(scene)) return
+      call frame(scene, run, report, error)
+   end subroutine prepare
+
+   !> Is t = 0 an output time?
+   pure logical function writes_start(scene)
+      type(scene_settings), intent(in) :: scene
+      writes_start = scene%output%present
+      if (writes_start .and. size(scene%output%times) > 0) writes_start = scene%output%times(1) <= 0
+   end function writes_start
+
+   !> What an earlier run left under our names would pass for this one's.
+   subroutine clean_folder(scene, out)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: out
+      character(40), allocatable :: names(:)
+      integer :: i
+      call remove_file(out // "/summary.txt")
+      call remove_file(out // "/trajectory.csv")
+      call remove_file(out // "/trajectory.xyz")
+      if (len(scene%output%restart) > 0) call remove_file(out // "/" // scene%output%restart)
+      call picture_files(names)
+      do i = 1, size(names)
+         call remove_file(out // "/" // trim(names(i)))
+      end do
+   end subroutine clean_folder
+
+   !> Take the state of a restart file, if the scene names one.
+   subroutine continue_from(scene, out, run, report, error)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: out
+      type(run_state), intent(inout) :: run
+      type(run_report), intent(inout) :: report
+      type(poinsot_error), intent(inout) :: error
+      type(restart_state) :: saved
+      if (len(scene%from) == 0) return
+      if (index(scene%from, out // "/") == 1 .and. index(scene%from(len(out) + 2:), "/") == 0) then
+         call raise(error, poinsot_e_scene, scene%from // ": lies in the output folder, and the run " // &
+                    "would overwrite what it continues; choose another --out")
+         return
+      end if
+      call read_restart(scene%from, body_total(scene), saved, error)
+      if (raised(error)) return
+      if (saved%t >= scene%t_end) then
+         call raise(error, poinsot_e_scene, scene%from // ": is at t = " // text_of(saved%t) // &
+                    ", not before t_end = " // text_of(scene%t_end))
+      else if (saved%method /= scene%method) then
+         call differs("method", saved%method, scene%method)
+      else if (saved%splitting /= scene%splitting .and. scene%splitting /= "auto") then
+         call differs("splitting", saved%splitting, scene%splitting)
+      else if (abs(saved%h - scene%h) > 0) then
+         call differs("h", text_of(saved%h), text_of(scene%h))
+      else if (saved%seed /= scene%seed) then
+         call differs("seed", text_of(saved%seed), text_of(scene%seed))
+      end if
+      if (raised(error)) return
+      run%t = saved%t
+      run%step = saved%step
+      report%splitting = saved%splitting
+      call move_alloc(saved%y, run%states%y)
+      call move_alloc(saved%q, run%states%q)
+      call move_alloc(saved%carry, run%states%carry)
+
+   contains
+
+      subroutine differs(key, old, new)
+         character(*), intent(in) :: key, old, new
+         call raise(error, poinsot_e_scene, scene%from // ": was written with " // key // " = " // &
+                    old // ", the scene has " // new // "; a continuation must not change it")
+      end subroutine differs
+
+   end subroutine continue_from
+
+   !> Piece by piece to the end, or to where the watch says stop.
+   subroutine march(scene, run, watch, report, error)
+      type(scene_settings), intent(in) :: scene
+      type(run_state), intent(inout) :: run
+      class(run_watch), intent(inout) :: watch
+      type(run_report), intent(inout) :: report
+      type(poinsot_error), intent(inout) :: error
+      type(piece) :: part
+      integer(i8) :: k, done
+      do k = 1, piece_count(scene)
+         part = get_piece(scene, k)
+         call enter_piece(run%t, part, done)
+         if (done >= part%steps) cycle
+         call march_piece(scene, part, done, run, watch, report, error)
+         if (raised(error) .or. run%stopped) return
+         if (part%writes) call frame(scene, run, report, error)
+         if (raised(error)) return
+         call watch%tell(run%t, scene%t_end)
+      end do
+   end subroutine march
+
+   !> Where in a piece time t lies: steps done already. A time between two steps (another schedule
+   !> wrote the restart) makes a piece of its own from t on.
+   subroutine enter_piece(t, part, done)
+      real(dp), intent(in) :: t
+      type(piece), intent(inout) :: part
+      integer(i8), intent(out) :: done
+      done = 0
+      if (t <= part%from) return
+      done = part%steps
+      if (t >= part%to) return
+      done = nint((t - part%from)/part%h, i8)
+      if (abs(time_in(part, done) - t) <= 0) return
+      done = 0
+      part%steps = max(1_i8, ceiling((part%to - t)/part%h*(1 - near), i8))
+      part%from = t
+      part%h = (part%to - t)/real(part%steps, dp)
+   end subroutine enter_piece
+
+   !> Time after `done` steps of a piece.
+   pure real(dp) function time_in(part, done) result(t)
+      type(piece), intent(in) :: part
+      integer(i8), intent(in) :: done
+      t = part%from + real(done, dp)*part%h
+      if (done >= part%steps) t = part%to
+   end function time_in
+
+   !> The steps of one piece, in chunks between looks at the watch.
+   subroutine march_piece(scene, part, done, run, watch, report, error)
+      type(scene_settings), intent(in) :: scene
+      type(piece), intent(in) :: part
+      integer(i8), intent(inout) :: done
+      type(run_state), intent(inout) :: run
+      class(run_watch), intent(inout) :: watch
+      type(run_report), intent(inout) :: report
+      type(poinsot_error), intent(inout) :: error
+      integer(i8) :: steps, most
+      real(dp) :: begun
+      most = max(1_i8, int(chunk/real(body_total(scene), dp), i8))
+      do while (done < part%steps)
+         run%stopped = watch%stop_now()
+         if (run%stopped) return
+         steps = min(most, part%steps - done)
+         begun = wall_clock()
+         call engine_step(run%engine, run%states, time_in(part, done), part%h, run%step, steps, error)
+         report%stepping = report%stepping + wall_clock() - begun
+         if (raised(error)) return
+         done = done + steps
+         run%step = run%step + steps
+         report%steps = report%steps + steps
+         run%t = time_in(part, done)
+         if (done < part%steps) call watch%tell(run%t, scene%t_end)
+      end do
+   end subroutine march_piece
+
+   !> Energies, changes, and the frame itself.
+   subroutine frame(scene, run, report, error)
+      type(scene_settings), intent(in) :: scene
+      type(run_state), intent(inout) :: run
+      type(run_report), intent(inout) :: report
+      type(poinsot_error), intent(inout) :: error
+      call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
+      if (raised(error)) return
+      call follow_drift(run%states, run%kinetic, run%potential, report%drift)
+      call write_frame(run%frames, scene, run%t, run%states, run%kinetic, run%potential, error)
+      report%outputs = report%outputs + 1
+   end subroutine frame
+
+   !> The restart file.
+   subroutine save_restart(scene, out, run, report, error)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: out
+      type(run_state), intent(inout) :: run
+      type(run_report), intent(in) :: report
+      type(poinsot_error), intent(inout) :: error
+      type(restart_state) :: saved
+      if (len(scene%output%restart) == 0) return
+      if (.not. (scene%output%present .or. run%stopped)) return
+      saved%method = report%method
+      saved%splitting = report%splitting
+      saved%t = run%t
+      saved%h = scene%h
+      saved%step = run%step
+      saved%seed = scene%seed
+      saved%y = run%states%y
+      saved%q = run%states%q
+      saved%carry = run%states%carry
+      call write_restart(out // "/" // scene%output%restart, saved, error)
+   end subroutine save_restart
+
+   !> Seconds on some clock.
+   real(dp) function wall_clock()
+      integer(i8) :: count, rate
+      call system_clock(count, rate)
+      wall_clock = real(count, dp)/real(max(rate, 1_i8), dp)
+   end function wall_clock
+
+end module poinsot_scene_run

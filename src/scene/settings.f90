@@ -1,0 +1,72 @@
+!> A scene with types: what the reader makes of the file and what the run needs.
+module poinsot_scene_settings
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_effect_settings, only: setting
+   implicit none(type, external)
+   private
+   public :: scene_settings, body_group, effect_setting, output_settings, body_total
+   public :: random_none, random_uniform, random_thermal
+
+   integer, parameter :: random_none = 0, random_uniform = 1, random_thermal = 2
+
+   !> One &bodies group. Momentum and attitude stand in the principal frame here.
+   type :: body_group
+      integer :: line = 0                     !! in the file, for messages
+      integer(i8) :: count = 1
+      real(dp) :: moments(3) = 1              !! principal moments, caller's order
+      real(dp) :: axes(3, 3) = 0              !! columns: principal axes in the given frame
+      real(dp) :: frame(4) = [1, 0, 0, 0]     !! the same turn as a quaternion: principal -> given
+      logical :: turned = .false.             !! the given frame is not the principal one
+      real(dp) :: y(3) = 0                    !! angular momentum
+      real(dp) :: q(4) = [1, 0, 0, 0]         !! attitude
+      integer :: random = random_none
+      real(dp) :: temperature = 0             !! k T
+      real(dp) :: position(3) = 0             !! of the first body
+      real(dp) :: spacing(3) = 0              !! from one to the next
+   end type body_group
+
+   !> One effect group: name and key-value pairs, as the effect registry takes them.
+   type :: effect_setting
+      character(:), allocatable :: name
+      integer :: line = 0
+      type(setting), allocatable :: settings(:)
+   end type effect_setting
+
+   !> &output
+   type :: output_settings
+      logical :: present = .false.            !! without the group nothing but the summary is written
+      real(dp) :: every = 0                   !! time between outputs; 0 = use `times`
+      real(dp), allocatable :: times(:)       !! output times, ascending
+      integer(i8), allocatable :: bodies(:)   !! numbers of the bodies written; size 0 = all
+      logical :: csv = .true., extxyz = .false.
+      character(:), allocatable :: restart    !! name of the restart file, "" = none
+      character(:), allocatable :: pictures   !! none, body, top, angle, ensemble
+      real(dp) :: axis(3) = [0, 0, 1]         !! body axis that pictures follow
+      real(dp) :: rate = 0                    !! turning of the frame that `angle` is seen from
+   end type output_settings
+
+   !> The whole scene.
+   type :: scene_settings
+      character(:), allocatable :: file       !! where it was read
+      character(:), allocatable :: name       !! the file's name without folder and ending
+      real(dp) :: t_end = 0
+      real(dp) :: h = 0                       !! 0: free bodies go from output to output
+      character(:), allocatable :: method, splitting
+      real(dp) :: tol = 1e-8_dp
+      integer(i8) :: seed = 1
+      integer :: threads = 0                  !! 0: as many as OpenMP offers
+      character(:), allocatable :: from       !! restart file to continue from, "" = none
+      type(body_group), allocatable :: bodies(:)
+      type(effect_setting), allocatable :: effects(:)
+      type(output_settings) :: output
+   end type scene_settings
+
+contains
+
+   !> Number of bodies of all groups.
+   pure integer(i8) function body_total(scene)
+      type(scene_settings), intent(in) :: scene
+      body_total = sum(scene%bodies%count)
+   end function body_total
+
+end module poinsot_scene_settings

@@ -1,0 +1,85 @@
+!> The bodies of a run as plain arrays: where they begin, and how they look in the scene's own frame.
+module poinsot_scene_states
+   use, intrinsic :: iso_c_binding, only: c_int
+   use poinsot_core_kinds, only: dp, i4, i8
+   use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_status, only: poinsot_e_memory
+   use poinsot_rotation_quaternion, only: quaternion_product, quaternion_conjugate
+   use poinsot_rotation_random, only: random_quaternion, random_gaussian, stream_momentum
+   use poinsot_scene_text, only: text_of
+   use poinsot_scene_settings, only: scene_settings, body_group, body_total, &
+      random_none, random_thermal
+   implicit none(type, external)
+   private
+   public :: body_states, first_states, to_scene_frame
+
+   !> State of all bodies, in the principal frame.
+   type :: body_states
+      integer :: n = 0
+      integer(c_int), allocatable :: group(:)  !! (n): which &bodies group, from 1
+      integer(c_int), allocatable :: status(:) !! (n): of the last call
+      real(dp), allocatable :: y(:, :)      !! (3, n)
+      real(dp), allocatable :: q(:, :)      !! (4, n)
+      real(dp), allocatable :: carry(:, :)  !! (7, n): compensated sums
+   end type body_states
+
+contains
+
+   !> Where the bodies begin: as given, or drawn as a function of (seed, number of the body).
+   !> Error: POINSOT_E_MEMORY.
+   subroutine first_states(scene, states, error)
+      type(scene_settings), intent(in) :: scene
+      type(body_states), intent(out) :: states
+      type(poinsot_error), intent(inout) :: error
+      integer :: i, n, code, last
+      n = int(body_total(scene))
+      allocate (states%group(n), states%y(3, n), states%q(4, n), states%carry(7, n), &
+                states%status(n), stat=code)
+      if (code /= 0) then
+         call raise(error, poinsot_e_memory, scene%file // ": no memory for " // text_of(n) // &
+                    " bodies")
+         return
+      end if
+      states%n = n
+      states%carry = 0
+      states%status = 0
+      last = 0
+      do i = 1, size(scene%bodies)
+         call fill(scene%bodies(i), i, scene%seed, last, states)
+         last = last + int(scene%bodies(i)%count)
+      end do
+   end subroutine first_states
+
+   !> One group, behind the `last` body of the groups before.
+   subroutine fill(bodies, group, seed, last, states)
+      type(body_group), intent(in) :: bodies
+      integer, intent(in) :: group, last
+      integer(i8), intent(in) :: seed
+      type(body_states), intent(inout) :: states
+      real(dp) :: normal(4)
+      integer(i8) :: id
+      integer :: j
+      do j = last + 1, last + int(bodies%count)
+         id = int(j, i8)
+         states%group(j) = group
+         states%y(:, j) = bodies%y
+         states%q(:, j) = bodies%q
+         if (bodies%random /= random_none) states%q(:, j) = random_quaternion(seed, id)
+         if (bodies%random /= random_thermal) cycle
+         normal(1:2) = random_gaussian(seed, id, 0_i8, stream_momentum)
+         normal(3:4) = random_gaussian(seed, id, 0_i8, stream_momentum + 1_i4)
+         ! roots first: I and kT may each be near the ends of the range
+         states%y(:, j) = sqrt(bodies%moments)*sqrt(bodies%temperature)*normal(1:3)
+      end do
+   end subroutine fill
+
+   !> Momentum and attitude of one body as the scene's own frame has them.
+   pure subroutine to_scene_frame(bodies, y, q)
+      type(body_group), intent(in) :: bodies     !! the body's group
+      real(dp), intent(inout) :: y(3), q(4)      !! principal frame in, given frame out
+      if (.not. bodies%turned) return
+      y = matmul(bodies%axes, y)
+      q = quaternion_product(q, quaternion_conjugate(bodies%frame))
+   end subroutine to_scene_frame
+
+end module poinsot_scene_states

@@ -1,0 +1,178 @@
+!> summary.txt: what ran, how long it took, what stayed constant, how far from the exact answer.
+module poinsot_scene_summary
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_version, only: version_text
+   use poinsot_scene_text, only: text_of
+   use poinsot_scene_files, only: out_file, open_out, put, finish_out
+   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_drift, only: drift_watch
+   use poinsot_scene_states, only: body_states, to_scene_frame
+   implicit none(type, external)
+   private
+   public :: run_report, write_summary, brief_number
+
+   integer, parameter :: most_bodies_shown = 3
+
+   !> What a run says about itself.
+   type :: run_report
+      character(:), allocatable :: state      !! complete, interrupted, failed
+      character(:), allocatable :: reason     !! why it failed
+      character(:), allocatable :: method, splitting
+      integer(i8) :: steps = 0                !! steps taken
+      integer(i8) :: outputs = 0              !! frames written
+      real(dp) :: t = 0                       !! time reached
+      integer :: threads = 1
+      real(dp) :: stepping = 0, all = 0       !! wall time, s
+      type(drift_watch) :: drift
+      character(:), allocatable :: reference  !! what the end was compared with; "" = not compared
+      real(dp) :: error_y = 0, error_q = 0    !! largest differences from it
+   end type run_report
+
+contains
+
+   !> Write the summary. Error: POINSOT_E_IO.
+   subroutine write_summary(path, scene, report, states, error)
+      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene
+      type(run_report), intent(in) :: report
+      type(body_states), intent(in) :: states   !! at the end
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      call open_out(path, file, error)
+      if (raised(error)) return
+      call put_run(file, scene, report, error)
+      call put_time(file, scene, report, error)
+      call put_drift(file, scene, report, error)
+      call put_end(file, scene, report, states, error)
+      call finish_out(file, error)
+   end subroutine write_summary
+
+   !> "name            value"
+   subroutine row(file, name, value, error)
+      type(out_file), intent(in) :: file
+      character(*), intent(in) :: name, value
+      type(poinsot_error), intent(inout) :: error
+      character(22) :: left
+      left = name
+      call put(file, left // value, error)
+   end subroutine row
+
+   subroutine put_run(file, scene, report, error)
+      type(out_file), intent(in) :: file
+      type(scene_settings), intent(in) :: scene
+      type(run_report), intent(in) :: report
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: effects
+      integer :: i
+      call row(file, "state", report%state, error)
+      if (report%state /= "complete") call row(file, "reason", report%reason, error)
+      call row(file, "scene", scene%name // " (" // scene%file // ")", error)
+      call row(file, "poinsot", version_text, error)
+      call row(file, "bodies", text_of(body_total(scene)), error)
+      effects = ""
+      do i = 1, size(scene%effects)
+         if (i > 1) effects = effects // ", "
+         effects = effects // scene%effects(i)%name
+      end do
+      if (size(scene%effects) == 0) effects = "none"
+      call row(file, "effects", effects, error)
+      call row(file, "method", report%method, error)
+      if (size(scene%effects) > 0) call row(file, "splitting", report%splitting, error)
+      call row(file, "seed", text_of(scene%seed), error)
+      if (len(scene%from) > 0) call row(file, "continued from", scene%from, error)
+   end subroutine put_run
+
+   subroutine put_time(file, scene, report, error)
+      type(out_file), intent(in) :: file
+      type(scene_settings), intent(in) :: scene
+      type(run_report), intent(in) :: report
+      type(poinsot_error), intent(inout) :: error
+      real(dp) :: body_steps
+      if (scene%h > 0) then
+         call row(file, "step h", text_of(scene%h), error)
+      else
+         call row(file, "step h", "from output to output", error)
+      end if
+      call row(file, "steps", text_of(report%steps), error)
+      call row(file, "time reached", text_of(report%t) // " of " // text_of(scene%t_end), error)
+      call row(file, "outputs", text_of(report%outputs), error)
+      call row(file, "threads", text_of(report%threads), error)
+      call row(file, "wall time", brief_number(report%stepping) // " s stepping, " // &
+               brief_number(report%all) // " s in all", error)
+      body_steps = real(report%steps, dp)*real(body_total(scene), dp)
+      if (body_steps > 0) call row(file, "speed", brief_number(report%stepping*1e9_dp/body_steps) // &
+                                   " ns per body-step", error)
+   end subroutine put_time
+
+   subroutine put_drift(file, scene, report, error)
+      type(out_file), intent(in) :: file
+      type(scene_settings), intent(in) :: scene
+      type(run_report), intent(in) :: report
+      type(poinsot_error), intent(inout) :: error
+      call put(file, "", error)
+      call put(file, "largest change at an output, relative" // &
+               trim(merge(" (a free body keeps all of them)        ", &
+                          " (with effects, some need not stay)     ", size(scene%effects) == 0)), error)
+      call row(file, "  energy H", brief_number(report%drift%energy_change), error)
+      call row(file, "  |y| (Casimir C)", brief_number(report%drift%casimir_change), error)
+      call row(file, "  Q y, all of it", brief_number(report%drift%momentum_change), error)
+      call row(file, "  Q y, along z", brief_number(report%drift%vertical_change), error)
+      call row(file, "  |q| - 1", brief_number(report%drift%norm_change), error)
+   end subroutine put_drift
+
+   subroutine put_end(file, scene, report, states, error)
+      type(out_file), intent(in) :: file
+      type(scene_settings), intent(in) :: scene
+      type(run_report), intent(in) :: report
+      type(body_states), intent(in) :: states
+      type(poinsot_error), intent(inout) :: error
+      real(dp) :: y(3), q(4)
+      integer :: i
+      call put(file, "", error)
+      if (len(report%reference) > 0) then
+         call put(file, "error at the end, against " // report%reference, error)
+         call row(file, "  y, over |y|", brief_number(report%error_y), error)
+         call row(file, "  q", brief_number(report%error_q), error)
+         call put(file, "", error)
+      end if
+      call put(file, "state at the end, body frame" // &
+               trim(merge(" (the first few)", "                ", states%n > most_bodies_shown)), error)
+      do i = 1, min(states%n, most_bodies_shown)
+         y = states%y(:, i)
+         q = states%q(:, i)
+         call to_scene_frame(scene%bodies(states%group(i)), y, q)
+         call row(file, "  body " // text_of(i) // "  y", text_of(y), error)
+         call row(file, "  body " // text_of(i) // "  q", text_of(q), error)
+      end do
+   end subroutine put_end
+
+   !> Two or three digits for people.
+   pure function brief_number(value) result(text)
+      real(dp), intent(in) :: value
+      character(:), allocatable :: text
+      character(24) :: buffer
+      if (abs(value) <= 0) then
+         text = "0"
+         return
+      else if (abs(value) >= 0.01_dp .and. abs(value) < 1000) then
+         write (buffer, "(f12.3)") value
+         if (abs(value) >= 10) write (buffer, "(f12.1)") value
+      else
+         write (buffer, "(es12.1e3)") value
+      end if
+      text = trim(adjustl(buffer))
+      if (index(text, "E") == 0) return
+      text = text(:index(text, "E") - 1) // "e" // plain_power(text(index(text, "E") + 1:))
+   end function brief_number
+
+   !> "-016" as "-16"
+   pure function plain_power(digits) result(text)
+      character(*), intent(in) :: digits
+      character(:), allocatable :: text
+      integer :: power
+      read (digits, *) power
+      text = text_of(power)
+   end function plain_power
+
+end module poinsot_scene_summary

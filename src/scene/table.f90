@@ -1,0 +1,92 @@
+!> Tables of numbers from a text file: a line has a time and some values; # or ! begins a comment.
+module poinsot_scene_table
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_status, only: poinsot_e_io
+   use poinsot_scene_text, only: text_of, quoted
+   use poinsot_scene_number, only: parse_real, number_ok
+   use poinsot_scene_source, only: refuse
+   implicit none(type, external)
+   private
+   public :: read_table
+
+   integer, parameter :: longest_line = 1000, most_rows = 1000000
+   character(*), parameter :: blanks = " ,;" // achar(9) // achar(13)
+
+contains
+
+   !> Read rows of a time and `columns` values. Error: POINSOT_E_IO if the file cannot be read,
+   !> POINSOT_E_SCENE naming file and line of what is no such row.
+   subroutine read_table(file, columns, times, values, error)
+      character(*), intent(in) :: file
+      integer, intent(in) :: columns                      !! values beside the time
+      real(dp), allocatable, intent(out) :: times(:)      !! (rows)
+      real(dp), allocatable, intent(out) :: values(:)     !! (columns*rows), row after row
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: room(:, :), more(:, :)
+      real(dp) :: row(columns + 1)
+      character(longest_line) :: text
+      character(200) :: reason
+      integer :: unit, code, line, n
+      logical :: empty
+      open (newunit=unit, file=file, action="read", status="old", iostat=code, iomsg=reason)
+      if (code /= 0) then
+         call raise(error, poinsot_e_io, file // ": cannot be opened: " // trim(reason))
+         return
+      end if
+      allocate (room(columns + 1, 64))
+      n = 0
+      line = 0
+      do
+         read (unit, "(a)", iostat=code) text
+         if (code /= 0) exit
+         line = line + 1
+         call read_row(file, line, text, row, empty, error)
+         if (n == most_rows) call refuse(error, file, line, "more than " // text_of(n) // " rows")
+         if (raised(error)) exit
+         if (empty) cycle
+         if (n == size(room, 2)) then
+            allocate (more(columns + 1, 2*n))
+            more(:, :n) = room
+            call move_alloc(more, room)
+         end if
+         n = n + 1
+         room(:, n) = row
+      end do
+      close (unit, iostat=code)
+      times = room(1, :n)
+      values = reshape(room(2:, :n), [columns*n])
+      if (n == 0 .and. .not. raised(error)) call refuse(error, file, 0, "holds no rows of numbers")
+   end subroutine read_table
+
+   subroutine read_row(file, line, text, row, empty, error)
+      character(*), intent(in) :: file, text
+      integer, intent(in) :: line
+      real(dp), intent(out) :: row(:)
+      logical, intent(out) :: empty
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: rest
+      integer :: k, length, outcome
+      rest = trim(text)
+      if (scan(rest, "#!") > 0) rest = rest(:scan(rest, "#!") - 1)
+      row = 0
+      empty = verify(rest, blanks) == 0
+      if (empty) return
+      do k = 1, size(row)
+         if (verify(rest, blanks) == 0) exit
+         rest = rest(verify(rest, blanks):)
+         length = scan(rest, blanks) - 1
+         if (length < 0) length = len(rest)
+         call parse_real(rest(:length), row(k), outcome)
+         if (outcome /= number_ok) then
+            call refuse(error, file, line, quoted(rest(:length)) // " is not a finite number")
+            return
+         end if
+         rest = rest(length + 1:)
+      end do
+      if (k <= size(row) .or. verify(rest, blanks) > 0) &
+         call refuse(error, file, line, "a row has " // text_of(size(row)) // " numbers: a time and " // &
+                     text_of(size(row) - 1) // " values")
+   end subroutine read_row
+
+end module poinsot_scene_table

@@ -1,0 +1,163 @@
+!> Words and numbers for people: lower case, numbers as short text that reads back to the same bits.
+module poinsot_scene_text
+   use poinsot_core_kinds, only: dp, i8
+   implicit none(type, external)
+   private
+   public :: lower, text_of, printable, joined, quoted, escaped
+
+   !> A number as text: integers plainly, reals with the fewest digits that keep their bits.
+   interface text_of
+      module procedure text_of_integer, text_of_long, text_of_real, text_of_reals
+   end interface text_of
+
+contains
+
+   !> ASCII lower case; other bytes stay.
+   pure function lower(text) result(small)
+      character(*), intent(in) :: text !! any text
+      character(len(text)) :: small
+      integer :: i, code
+      do i = 1, len(text)
+         code = iachar(text(i:i))
+         if (code >= iachar("A") .and. code <= iachar("Z")) code = code + 32
+         small(i:i) = achar(code)
+      end do
+   end function lower
+
+   pure function text_of_integer(number) result(text)
+      integer, intent(in) :: number
+      character(:), allocatable :: text
+      text = text_of_long(int(number, i8))
+   end function text_of_integer
+
+   pure function text_of_long(number) result(text)
+      integer(i8), intent(in) :: number
+      character(:), allocatable :: text
+      character(24) :: buffer
+      write (buffer, "(i0)") number
+      text = trim(buffer)
+   end function text_of_long
+
+   pure function text_of_reals(numbers) result(text)
+      real(dp), intent(in) :: numbers(:)
+      character(:), allocatable :: text
+      integer :: i
+      text = ""
+      do i = 1, size(numbers)
+         if (i > 1) text = text // ", "
+         text = text // text_of_real(numbers(i))
+      end do
+   end function text_of_reals
+
+   pure function text_of_real(number) result(text)
+      use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+      real(dp), intent(in) :: number
+      character(:), allocatable :: text
+      character(32) :: buffer
+      real(dp) :: back
+      integer :: digits, mark, power
+      character(*), parameter :: forms(15:17) = &
+         [character(12) :: "(es32.14e3)", "(es32.15e3)", "(es32.16e3)"]
+      if (.not. ieee_is_finite(number)) then
+         text = "inf"
+         if (ieee_is_nan(number)) text = "nan"
+         return
+      end if
+      do digits = 15, 17
+         write (buffer, forms(digits)) number
+         if (digits == 17) exit
+         ! the largest doubles round up to a text beyond the range: never read those back
+         if (abs(number) > 1e307_dp) cycle
+         read (buffer, *) back
+         if (back == number) exit
+      end do
+      buffer = adjustl(buffer)
+      mark = index(buffer, "E")
+      read (buffer(mark + 1:), *) power
+      text = decimal(buffer(:mark - 1), power)
+   end function text_of_real
+
+   !> "-1.2300" and a power of ten as the shortest usual notation.
+   pure function decimal(mantissa, power) result(text)
+      character(*), intent(in) :: mantissa
+      integer, intent(in) :: power
+      character(:), allocatable :: text, digits
+      integer :: last
+      logical :: minus
+      minus = mantissa(1:1) == "-"
+      digits = mantissa(merge(2, 1, minus):)
+      digits = digits(1:1) // digits(3:)
+      last = max(1, verify(digits, "0", back=.true.))
+      digits = digits(:last)
+      if (power >= 0 .and. power <= 15) then
+         if (last <= power + 1) then
+            text = digits // repeat("0", power + 1 - last) // ".0"
+         else
+            text = digits(:power + 1) // "." // digits(power + 2:)
+         end if
+      else if (power < 0 .and. power >= -4) then
+         text = "0." // repeat("0", -power - 1) // digits
+      else
+         text = digits(1:1)
+         if (last > 1) text = text // "." // digits(2:)
+         text = text // "e" // text_of_integer(power)
+      end if
+      if (minus) text = "-" // text
+   end function decimal
+
+   !> Text safe to show on a terminal, in one line: other bytes as \xNN, at most 60 of them.
+   pure function printable(text) result(safe)
+      character(*), intent(in) :: text !! any bytes
+      character(:), allocatable :: safe
+      character(2) :: hex
+      integer :: i, code
+      safe = ""
+      do i = 1, min(len(text), 60)
+         code = iachar(text(i:i))
+         if (code >= 32 .and. code /= 127 .and. code < 128) then
+            safe = safe // text(i:i)
+         else
+            write (hex, "(z2.2)") iand(code, 255)
+            safe = safe // "\x" // hex
+         end if
+      end do
+      if (len(text) > 60) safe = safe // "..."
+   end function printable
+
+   !> A printable text between double quotes.
+   pure function quoted(text) result(marked)
+      character(*), intent(in) :: text !! any bytes
+      character(:), allocatable :: marked
+      marked = """" // printable(text) // """"
+   end function quoted
+
+   !> The words as one text, "a, b, c"; blanks at the ends dropped, empty words left out.
+   pure function joined(words) result(text)
+      character(*), intent(in) :: words(:) !! any words
+      character(:), allocatable :: text
+      integer :: i
+      text = ""
+      do i = 1, size(words)
+         if (len_trim(words(i)) == 0) cycle
+         if (len(text) > 0) text = text // ", "
+         text = text // trim(words(i))
+      end do
+   end function joined
+
+   !> A text between single quotes for a POSIX shell, whatever it holds.
+   pure function escaped(text) result(safe)
+      character(*), intent(in) :: text !! a file name or another argument
+      character(:), allocatable :: safe
+      integer :: i
+      safe = "'"
+      do i = 1, len(text)
+         if (text(i:i) == "'") then
+            safe = safe // "'\''"
+         else
+            safe = safe // text(i:i)
+         end if
+      end do
+      safe = safe // "'"
+   end function escaped
+
+end module poinsot_scene_text

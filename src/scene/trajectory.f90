@@ -1,0 +1,127 @@
+!> Trajectories as text: CSV for anything, extended XYZ for OVITO. Writers take plain arrays, one
+!> call a frame; what bodies to write is the caller's choice.
+module poinsot_scene_trajectory
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_scene_text, only: text_of
+   use poinsot_scene_files, only: out_file, open_out, put, flush_out, finish_out
+   implicit none(type, external)
+   private
+   public :: csv_header, csv_row, open_csv, write_csv
+   public :: open_xyz, write_xyz, semi_axes
+
+   character(*), parameter :: csv_header = &
+      "t,body,q0,q1,q2,q3,y1,y2,y3,kinetic,potential,energy" !! the columns of trajectory.csv
+
+contains
+
+   !> Begin trajectory.csv: the header.
+   subroutine open_csv(path, file, error)
+      character(*), intent(in) :: path
+      type(out_file), intent(out) :: file
+      type(poinsot_error), intent(inout) :: error
+      call open_out(path, file, error)
+      if (.not. raised(error)) call put(file, csv_header, error)
+   end subroutine open_csv
+
+   !> One frame: a row for each body.
+   subroutine write_csv(file, t, bodies, y, q, kinetic, potential, error)
+      type(out_file), intent(in) :: file
+      real(dp), intent(in) :: t               !! time
+      integer(i8), intent(in) :: bodies(:)    !! (n): numbers of the bodies, from 1
+      real(dp), intent(in) :: y(:, :)         !! (3, n): angular momenta, body frame as the scene's
+      real(dp), intent(in) :: q(:, :)         !! (4, n): attitudes
+      real(dp), intent(in) :: kinetic(:)      !! (n)
+      real(dp), intent(in) :: potential(:)    !! (n)
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: time
+      integer :: i
+      time = text_of(t)
+      do i = 1, size(bodies)
+         call put(file, csv_row(time, bodies(i), y(:, i), q(:, i), kinetic(i), potential(i)), error)
+         if (raised(error)) return
+      end do
+      call flush_out(file, error)
+   end subroutine write_csv
+
+   !> One row: 17 significant digits, so that every double reads back to its bits.
+   pure function csv_row(time, body, y, q, kinetic, potential) result(row)
+      character(*), intent(in) :: time        !! as text
+      integer(i8), intent(in) :: body
+      real(dp), intent(in) :: y(3), q(4), kinetic, potential
+      character(:), allocatable :: row
+      character(260) :: numbers
+      character(24) :: number
+      write (numbers, "(10(',', es24.16e3))") q, y, kinetic, potential, kinetic + potential
+      write (number, "(i0)") body
+      row = time // "," // trim(number) // squeezed(trim(numbers))
+   end function csv_row
+
+   !> Without blanks, and with 1.5E+000 for 1.5000000000000000E+000: zeros at the end say nothing.
+   pure function squeezed(text) result(short)
+      character(*), intent(in) :: text
+      character(:), allocatable :: short
+      character(len(text)) :: room
+      integer :: i, n
+      n = 0
+      do i = 1, len(text)
+         if (text(i:i) == " ") cycle
+         if (text(i:i) == "E") then
+            do while (room(n:n) == "0" .and. room(n - 1:n - 1) /= ".")
+               n = n - 1
+            end do
+         end if
+         n = n + 1
+         room(n:n) = text(i:i)
+      end do
+      short = room(:n)
+   end function squeezed
+
+   !> Begin trajectory.xyz.
+   subroutine open_xyz(path, file, error)
+      character(*), intent(in) :: path
+      type(out_file), intent(out) :: file
+      type(poinsot_error), intent(inout) :: error
+      call open_out(path, file, error)
+   end subroutine open_xyz
+
+   !> One frame of extended XYZ, with the column names OVITO maps by itself: `orientation` is a
+   !> quaternion in the order x, y, z, w; `aspherical_shape` the semi-axes of an ellipsoid.
+   subroutine write_xyz(file, t, bodies, position, shape, y, q, energy, error)
+      type(out_file), intent(in) :: file
+      real(dp), intent(in) :: t               !! time
+      integer(i8), intent(in) :: bodies(:)    !! (n): numbers of the bodies, from 1
+      real(dp), intent(in) :: position(:, :)  !! (3, n)
+      real(dp), intent(in) :: shape(:, :)     !! (3, n): semi-axes
+      real(dp), intent(in) :: y(:, :)         !! (3, n): angular momenta, space frame
+      real(dp), intent(in) :: q(:, :)         !! (4, n): attitudes of the axes of `shape`
+      real(dp), intent(in) :: energy(:)       !! (n)
+      type(poinsot_error), intent(inout) :: error
+      character(400) :: numbers
+      integer :: i
+      call put(file, text_of(size(bodies)), error)
+      call put(file, "Properties=id:I:1:species:S:1:pos:R:3:orientation:R:4:aspherical_shape:R:3" // &
+               ":angular_momentum:R:3:energy:R:1 Time=" // text_of(t) // " pbc=""F F F""", error)
+      do i = 1, size(bodies)
+         write (numbers, "(14(1x, es24.16e3))") position(:, i), q(2:4, i), q(1, i), shape(:, i), &
+            y(:, i), energy(i)
+         call put(file, text_of(bodies(i)) // " B" // trim(numbers), error)
+         if (raised(error)) return
+      end do
+      call flush_out(file, error)
+   end subroutine write_xyz
+
+   !> Semi-axes of an even ellipsoid of mass 5 with these moments: a_i^2 = (I_j + I_k - I_i)/2. A
+   !> flat or linear body gets a twentieth of its longest semi-axis, so that it can be seen.
+   pure function semi_axes(moments) result(a)
+      real(dp), intent(in) :: moments(3) !! principal moments
+      real(dp) :: a(3), unit
+      unit = maxval(moments)
+      a = 1
+      if (unit <= 0) return
+      a = moments/unit
+      a = sqrt(max((sum(a) - 2*a)/2, 0.0_dp))
+      a = max(a, maxval(a)/20)*sqrt(unit)
+   end function semi_axes
+
+end module poinsot_scene_trajectory
