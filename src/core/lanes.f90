@@ -1,4 +1,5 @@
-!> Questions to all lanes of a block at once, without the early way out that keeps a compiler from using vectors.
+!> Questions to all lanes of a block at once, without the early way out that keeps a compiler from
+!> using vectors.
 module poinsot_core_lanes
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok
@@ -8,7 +9,8 @@ module poinsot_core_lanes
 
 contains
 
-   !> The largest of all lanes, none of them negative: bits of positive numbers compare like the numbers.
+   !> The largest of all lanes, none of them negative: bits of positive numbers compare like the
+   !> numbers.
    pure real(dp) function largest(x)
       real(dp), intent(in) :: x(lanes)
       integer(i8) :: m

@@ -1,8 +1,9 @@
 !> How increments become the next state: plainly, or with compensated sums.
 !>
-!> Compensated, the carry holds what rounding took from y and q. Two corrections then remove what is left of the drift
-!> (mathematics, section 3): the change of energy that the increment itself implies, and the norm of q. Both are computed from increments
-!> and from the present state, never from stored invariants. Vilmart (2008), section 3.
+!> Compensated, the carry holds what rounding took from y and q. Two corrections then remove what is
+!> left of the drift (mathematics, section 3): the change of energy that the increment itself
+!> implies, and the norm of q. Both are computed from increments and from the present state, never
+!> from stored invariants. Vilmart (2008), section 3.
 module poinsot_free_accumulate
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
@@ -84,8 +85,9 @@ contains
       x = sum
    end subroutine two_sum
 
-   !> Take from dy the change of energy it implies, dE = sum dy (omega + d omega / 2), along G, the part of the new
-   !> omega normal to the new y, so that |y| is not touched. Skipped where G is small: nothing can be gained there.
+   !> Take from dy the change of energy it implies, dE = sum dy (omega + d omega / 2), along G, the
+   !> part of the new omega normal to the new y, so that |y| is not touched. Skipped where G is
+   !> small: nothing can be gained there.
    pure subroutine conserve_energy(class, h, y, dy)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
@@ -98,7 +100,8 @@ contains
       i3 = class%inverse(3)
       !GCC$ ivdep
       do l = 1, lanes
-         e = h(l)*(dy(l, 1)*i1*(y(l, 1) + 0.5_dp*dy(l, 1)) + dy(l, 2)*i2*(y(l, 2) + 0.5_dp*dy(l, 2)) &
+         e = h(l)*(dy(l, 1)*i1*(y(l, 1) + 0.5_dp*dy(l, 1)) + dy(l, 2)*i2*(y(l, 2) + 0.5_dp*dy(l, &
+            2)) &
                    + dy(l, 3)*i3*(y(l, 3) + 0.5_dp*dy(l, 3)))
          y1 = y(l, 1) + dy(l, 1)
          y2 = y(l, 2) + dy(l, 2)

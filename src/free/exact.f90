@@ -1,5 +1,6 @@
-!> `exact`: the explicit exact step for any h. One pass where it is valid, substeps beyond, Jacobi's functions where
-!> substeps would be many. Which of them is a function of the body's state, class and h alone.
+!> `exact`: the explicit exact step for any h. One pass where it is valid, substeps beyond, Jacobi's
+!> functions where substeps would be many. Which of them is a function of the body's state, class
+!> and h alone.
 module poinsot_free_exact
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_step
@@ -12,13 +13,14 @@ module poinsot_free_exact
    public :: exact_increment
 
    integer, parameter :: most_substeps = 64 !! beyond, Jacobi's functions are cheaper
-   real(dp), parameter :: longest_phase = 1e15_dp !! h |omega| beyond which no digit of the angle is left
+   real(dp), parameter :: longest_phase = 1e15_dp !! h |omega| beyond which no digit of the angle is
+                                                  !! left
    integer, parameter :: substep_level = 3  !! substeps as long as this series length carries
 
 contains
 
-   !> Increments of y and q over h, exact to rounding, for every body, any h. Mathematics, section 3 (and 4 beyond 64 substeps).
-   !> POINSOT_E_STEP for h |omega| > 1e15.
+   !> Increments of y and q over h, exact to rounding, for every body, any h. Mathematics, section 3
+   !> (and 4 beyond 64 substeps). POINSOT_E_STEP for h |omega| > 1e15.
    pure subroutine exact_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                         !! not used
@@ -43,7 +45,8 @@ contains
       real(dp), intent(in) :: sizes(lanes), h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: parts(lanes), step(lanes), w(lanes, 3), p(lanes), r(lanes), ddy(lanes, 3), ddq(lanes, 4)
+      real(dp) :: parts(lanes), step(lanes), w(lanes, 3), p(lanes), r(lanes), ddy(lanes, 3), &
+         ddq(lanes, 4)
       integer :: k
 
       parts = 1

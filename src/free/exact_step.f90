@@ -1,7 +1,9 @@
-!> The explicit exact step: one pass from state to state, no iteration, no elliptic function (mathematics, section 3).
+!> The explicit exact step: one pass from state to state, no iteration, no elliptic function
+!> (mathematics, section 3).
 !>
-!> All kinds of body go through the same straight code. Everything is dimensionless: w = h omega, and momenta only ever
-!> enter linearly. Notation: x = X T and z = Z T are k^2 sn^2 and its companion for half a step.
+!> All kinds of body go through the same straight code. Everything is dimensionless: w = h omega,
+!> and momenta only ever enter linearly. Notation: x = X T and z = Z T are k^2 sn^2 and its
+!> companion for half a step.
 module poinsot_free_exact_step
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_lanes, only: smallest
@@ -13,10 +15,12 @@ module poinsot_free_exact_step
 
 contains
 
-   !> p = h^2 p2 and r = h^2 r2, constants of the motion, and with them p + r, the largest (h |omega|)^2 of the motion.
+   !> p = h^2 p2 and r = h^2 r2, constants of the motion, and with them p + r, the largest (h
+   !> |omega|)^2 of the motion.
    pure subroutine step_sizes(class, h, y, w, p, r)
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: h(lanes)       !! step of each lane, any sign; 0 for a lane that stands still
+      real(dp), intent(in) :: h(lanes)       !! step of each lane, any sign; 0 for a lane that
+                                             !! stands still
       real(dp), intent(in) :: y(lanes, 3)    !! angular momentum, caller's axes
       real(dp), intent(out) :: w(lanes, 3)   !! h omega, sorted axes
       real(dp), intent(out) :: p(lanes), r(lanes)
@@ -51,8 +55,9 @@ contains
       call turn(class, ps, rs, v, twice, y, q, dy, dq)
    end subroutine exact_step_increment
 
-   !> P, R, T, W, each lane with the shortest series that is exact to rounding for it. A block whose lanes differ runs
-   !> each length that is asked for, and lanes take their own. x and z are the arguments of T and W.
+   !> P, R, T, W, each lane with the shortest series that is exact to rounding for it. A block whose
+   !> lanes differ runs each length that is asked for, and lanes take their own. x and z are the
+   !> arguments of T and W.
    pure subroutine all_series(class, p, r, above, x, z, ps, rs, t, w)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: p(lanes), r(lanes), above
@@ -94,8 +99,8 @@ contains
       end do
    end subroutine all_series
 
-   !> The rotation of the step from the series: v = (sin(angle)/2) axis, in the caller's axes, where an odd order of axes
-   !> changes its sign; `twice` = h omega2 at both ends, summed.
+   !> The rotation of the step from the series: v = (sin(angle)/2) axis, in the caller's axes, where
+   !> an odd order of axes changes its sign; `twice` = h omega2 at both ends, summed.
    pure subroutine rotation_of_step(class, w, x, z, ps, rs, t, s, v, twice)
       type(body_class), intent(in) :: class
       real(dp), intent(in), dimension(lanes) :: x, z, ps, rs, t, s
@@ -131,8 +136,9 @@ contains
       end do
    end subroutine rotation_of_step
 
-   !> The increments that a rotation gives: R^T y - y and q o (rho - 1), rho = (half, v/half), half the cosine of half
-   !> the angle. The momentum about the axis of the smallest moment changes by an increment with its small factor in front.
+   !> The increments that a rotation gives: R^T y - y and q o (rho - 1), rho = (half, v/half), half
+   !> the cosine of half the angle. The momentum about the axis of the smallest moment changes by an
+   !> increment with its small factor in front.
    pure subroutine turn(class, ps, rs, v, twice, y, q, dy, dq)
       type(body_class), intent(in) :: class
       real(dp), intent(in), dimension(lanes) :: ps, rs, twice
@@ -170,7 +176,8 @@ contains
       end do
       !GCC$ ivdep
       do l = 1, lanes
-         dy(l, i1) = -0.125_dp*(factor(l)*(2*y(l, i3) + dy(l, i3))*(class%f1*rs(l) + class%theta*(ps(l) - rs(l))))
+         dy(l, i1) = -0.125_dp*(factor(l)*(2*y(l, i3) + dy(l, i3))*(class%f1*rs(l) &
+            + class%theta*(ps(l) - rs(l))))
       end do
    end subroutine turn
 
