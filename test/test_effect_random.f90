@@ -29,7 +29,7 @@ contains
          new_unittest("langevin-attitudes", test_boltzmann), &
          new_unittest("langevin-without-temperature-is-drag", test_cold), &
          new_unittest("langevin-relaxation", test_relaxation), &
-         new_unittest("langevin-goes-forward-only", test_forward)]
+         new_unittest("drag-and-langevin-go-forward-only", test_forward)]
    end subroutine collect_random
 
    !> The three known answers of the Random123 distribution for philox4x32-10.
@@ -310,7 +310,7 @@ contains
          number_setting("temperature", [0.0_dp])], &
          hot%it, refusal)
       call make_effect("drag", [number_setting("friction", [0.3_dp])], plain%it, refusal)
-      call check(error, forward(hot) .and. .not. forward(plain), "only_forward")
+      call check(error, forward(hot) .and. forward(plain), "noise and drag have no way back")
    end subroutine test_forward
 
    logical function forward(item)
