@@ -8,11 +8,9 @@ program check_poinsot
    use test_body, only: collect_body
    use test_core, only: collect_core
    use test_effect, only: collect_effect
-   use test_effect, only: collect_effect
    use test_free, only: collect_free
    use test_oracle, only: collect_oracle
    use test_rotation, only: collect_rotation
-   use test_splitting, only: collect_splitting
    use test_splitting, only: collect_splitting
    implicit none(type, external)
 
@@ -26,8 +24,6 @@ program check_poinsot
       new_testsuite("body", collect_body), &
       new_testsuite("oracle", collect_oracle), &
       new_testsuite("free", collect_free), &
-      new_testsuite("effect", collect_effect), &
-      new_testsuite("splitting", collect_splitting), &
       new_testsuite("effect", collect_effect), &
       new_testsuite("splitting", collect_splitting)]
    first = 1
