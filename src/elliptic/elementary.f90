@@ -1,19 +1,22 @@
-!> Elementary functions for block kernels: sine and cosine, arctangent, logarithm, exponential, tanh and sech.
+!> Elementary functions for block kernels: sine and cosine, arctangent, logarithm, exponential, tanh
+!> and sech.
 !>
-!> The bits of a block kernel must not depend on what a compiler does with a loop (a vector library's sine
-!> differs from the scalar one), so kernels call nothing else. Every procedure works on all `lanes` elements,
-!> without a branch and without a call: a lane's bits depend on that lane alone. The scalar forms pad a block,
-!> and so give the same bits. Within 1 ulp (atan2 2, tanh and sech 3); no invalid, overflow or
-!> divide-by-zero exception on valid input. Not for NaN or infinite arguments.
+!> The bits of a block kernel must not depend on what a compiler does with a loop (a vector
+!> library's sine differs from the scalar one), so kernels call nothing else. Every procedure works
+!> on all `lanes` elements, without a branch and without a call: a lane's bits depend on that lane
+!> alone. The scalar forms pad a block, and so give the same bits. Within 1 ulp (atan2 2, tanh and
+!> sech 3); no invalid, overflow or divide-by-zero exception on valid input. Not for NaN or infinite
+!> arguments.
 !>
-!> The polynomials interpolate at Chebyshev nodes (60-digit arithmetic); arguments are reduced with constants
-!> split so that every product is exact with or without fused multiply-add (W. J. Cody and W. Waite, Software
-!> Manual for the Elementary Functions, 1980).
+!> The polynomials interpolate at Chebyshev nodes (60-digit arithmetic); arguments are reduced with
+!> constants split so that every product is exact with or without fused multiply-add (W. J. Cody and
+!> W. Waite, Software Manual for the Elementary Functions, 1980).
 module poinsot_elliptic_elementary
    use poinsot_core_kinds, only: dp, i8, lanes
    implicit none(type, external)
    private
-   public :: sincos_block, sincos_pair_block, atan2_block, exp_block, log_block, tanh_sech_block
+   public :: sincos_block, sincos_pair_block, atan2_block, exp_block, log_block
+   public :: exp_pair_block, tanh_sech_block
    public :: sincos_scalar, atan2_scalar, exp_scalar, log_scalar
 
    !> Adding and subtracting it rounds to an integer, which stands in the low bits in between.
@@ -198,33 +201,53 @@ contains
       end do
    end subroutine log_block
 
+   !> Exponential of unevaluated sums, and the same less 1, each with a small relative error.
+   pure subroutine exp_pair_block(x, low, e, em1)
+      real(dp), intent(in) :: x(lanes)    !! exponents, below -746 taken as that, above 700 as 700
+      real(dp), intent(in) :: low(lanes)  !! what to add to each, |low| at most about ulp(x)
+      real(dp), intent(out) :: e(lanes)   !! e**(x + low)
+      real(dp), intent(out) :: em1(lanes) !! e**(x + low) - 1
+      real(dp) :: a, t, n, hi, lo, z, p, half1, half2
+      integer(i8) :: k
+      integer :: i
+      !$omp simd private(a, t, n, hi, lo, z, p, half1, half2, k)
+      do i = 1, lanes
+         a = min(max(x(i), -746.0_dp), 700.0_dp)
+         t = a*log2e + rounder
+         n = t - rounder
+         hi = a - n*ln2_hi
+         lo = n*ln2_lo - low(i)
+         z = hi - lo
+         lo = (hi - z) - lo
+         p = e7 + z*(e8 + z*(e9 + z*(e10 + z*(e11 + z*e12))))
+         p = e2 + z*(e3 + z*(e4 + z*(e5 + z*(e6 + z*p))))
+         p = z + (z*z*p + lo)
+         t = 0.5_dp*n + rounder
+         k = transfer(t, k)
+         half1 = transfer(shiftl(k + 1023_i8, 52), half1)
+         t = (n - (t - rounder)) + rounder
+         k = transfer(t, k)
+         half2 = transfer(shiftl(k + 1023_i8, 52), half2)
+         e(i) = (1.0_dp + p)*half1*half2
+         em1(i) = p*half1*half2 + (half1*half2 - 1.0_dp)
+      end do
+   end subroutine exp_pair_block
+
    !> Hyperbolic tangent and secant of each lane, both with a small relative error.
    pure subroutine tanh_sech_block(x, t, s)
       real(dp), intent(in) :: x(lanes)  !! any finite numbers
       real(dp), intent(out) :: t(lanes) !! tanh x
       real(dp), intent(out) :: s(lanes) !! 1/cosh x
-      real(dp) :: minus(lanes), small(lanes)
-      real(dp) :: a, r, n, hi, lo, z, p, power, em1
-      integer(i8) :: k
+      real(dp) :: minus(lanes), zero(lanes), e(lanes), em1(lanes), d
       integer :: i
       minus = -abs(x)
-      call exp_block(minus, small)
-      !$omp simd private(a, r, n, hi, lo, z, p, power, em1, k)
+      zero = 0.0_dp
+      call exp_pair_block(minus, zero, e, em1)
+      !$omp simd private(d)
       do i = 1, lanes
-         a = 2.0_dp*max(minus(i), -40.0_dp)
-         r = a*log2e + rounder
-         n = r - rounder
-         k = transfer(r, k)
-         power = transfer(shiftl(k + 1023_i8, 52), power)
-         hi = a - n*ln2_hi
-         lo = n*ln2_lo
-         z = hi - lo
-         lo = (hi - z) - lo
-         p = e7 + z*(e8 + z*(e9 + z*(e10 + z*(e11 + z*e12))))
-         p = e2 + z*(e3 + z*(e4 + z*(e5 + z*(e6 + z*p))))
-         em1 = power*(z + (z*z*p + lo)) + (power - 1.0_dp) ! e**(-2|x|) - 1
-         t(i) = sign(em1/(2.0_dp + em1), x(i))
-         s(i) = 2.0_dp*small(i)/(2.0_dp + em1)
+         d = 1.0_dp + e(i)*e(i)
+         t(i) = sign(em1(i)*(2.0_dp + em1(i))/d, x(i))
+         s(i) = 2.0_dp*e(i)/d
       end do
    end subroutine tanh_sech_block
 

@@ -1,0 +1,278 @@
+!> Jacobi's elliptic functions for one block of lanes: any argument, any parameter.
+!>
+!> Theta functions of the smaller of m and m1 = 1 - m, so of a nome q <= exp(-pi): the circular ones
+!> for m <= 1/2, the hyperbolic ones (Jacobi's imaginary transformation) beyond. Four terms reach
+!> double precision, and nothing degenerates as m -> 1: the complementary parameter itself is the
+!> input there. The nome comes from the first two steps of the arithmetic-geometric mean of (1,
+!> sqrt(1 - mu)) and its series (Abramowitz and Stegun 17.3.21; 16.27 for the theta functions, 16.20
+!> for the transformation). The period is known to about 1e-19 of itself, and the argument is
+!> reduced in double-double, so that |u| = 1e6 loses nothing but what the rounding of u itself
+!> costs. Products are made exact by splitting: no fused multiply-add is needed.
+module poinsot_elliptic_jacobi_kernel
+   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_elliptic_elementary, only: sincos_pair_block, exp_pair_block, exp_block
+   implicit none(type, external)
+   private
+   public :: jacobi_block
+
+   integer(i8), parameter :: fraction_bits = 4503599627370495_i8
+   integer(i8), parameter :: two52_bits = 4841369599423283200_i8
+   integer(i8), parameter :: root_half = 4604544271217802189_i8
+   integer(i8), parameter :: offset = 4607182418800017408_i8 - root_half
+   integer(i8), parameter :: top26 = not(134217727_i8)  !! keeps 26 significant bits
+   integer(i8), parameter :: top22 = not(2147483647_i8) !! keeps 22
+   real(dp), parameter :: two52 = 4503599627370496.0_dp, rounder = 6755399441055744.0_dp
+   real(dp), parameter :: two64 = 18446744073709551616.0_dp
+   real(dp), parameter :: ln2_hi = 0.6931471805601177_dp, ln2_lo = -1.7239444525614835e-13_dp
+   real(dp), parameter :: pi_hi = 3.141592653589793_dp, pi_lo = 1.2246467991473532e-16_dp
+   real(dp), parameter :: endless = 1.0e10_dp !! the period for m = 1
+
+contains
+
+   !> sn, cn, dn of the argument less its whole turns: for odd turns sn and cn of u have the other
+   !> signs.
+   pure subroutine jacobi_block(u, m, m1, sn, cn, dn, turns)
+      real(dp), intent(in) :: u(lanes)       !! arguments, |u| <= 1e9 (full accuracy to 4e6 turns)
+      real(dp), intent(in) :: m(lanes)       !! parameters, in [0, 1]
+      real(dp), intent(in) :: m1(lanes)      !! 1 - m; only the smaller of m and m1 is used
+      real(dp), intent(out) :: sn(lanes)     !! sn(u - 2 K turns | m)
+      real(dp), intent(out) :: cn(lanes)     !! cn(u - 2 K turns | m), not negative but for rounding
+      real(dp), intent(out) :: dn(lanes)     !! dn(u | m)
+      real(dp), intent(out) :: turns(lanes)  !! nearest integer to u/(2 K), as a real
+      real(dp), dimension(lanes) :: mu, side, q, q_low, theta, z, z_low, period, period_low
+      real(dp), dimension(lanes) :: s_part, c_part, d_part, divisor, s_near, c_near, d_near, near
+      mu = min(m, m1)
+      side = m - m1 ! positive: near m = 1
+      call find_nome(u, mu, q, q_low, theta, z, z_low)
+      call log_period(q, q_low, period, period_low)
+      period = merge(period, pi_hi, side > 0.0_dp)
+      period_low = merge(period_low, pi_lo, side > 0.0_dp)
+      call reduce(period, period_low, z, z_low, turns)
+      call circular_sums(q, z, z_low, s_part, c_part, d_part, divisor)
+      call hyperbolic_sums(q, period, period_low, z, z_low, s_near, c_near, d_near, near)
+      s_part = merge(s_near, s_part, side > 0.0_dp)
+      c_part = merge(c_near, c_part, side > 0.0_dp)
+      d_part = merge(d_near, d_part, side > 0.0_dp)
+      divisor = merge(near, divisor, side > 0.0_dp)
+      call quotients(q, theta, s_part, c_part, d_part, divisor, sn, cn, dn)
+   end subroutine jacobi_block
+
+   !> Nome of mu, theta3(q)**2, and the phase z = u/theta3(q)**2 as an unevaluated sum.
+   pure subroutine find_nome(u, mu, q, q_low, theta, z, z_low)
+      real(dp), intent(in) :: u(lanes), mu(lanes)
+      real(dp), intent(out), dimension(lanes) :: q, q_low, theta, z, z_low
+      real(dp) :: m1, m1_low, kc, kc_low, r, r_low, a, a_low, b, b_low, d, d_low, ah, al, bh, bl
+      real(dp) :: inv, e, e_low, e4, t, t_low, w
+      integer :: i
+      !$omp simd private(m1, m1_low, kc, kc_low, r, r_low, a, a_low, b, b_low, d, d_low) &
+      !$omp& private(ah, al, bh, bl, inv, e, e_low, e4, t, t_low, w)
+      do i = 1, lanes
+         m1 = 1.0_dp - mu(i)                        ! kc = sqrt(1 - mu), r = sqrt(kc), double-double
+         m1_low = (1.0_dp - m1) - mu(i)
+         kc = sqrt(m1)
+         ah = transfer(iand(transfer(kc, 0_i8), top26), ah)
+         al = kc - ah
+         w = ((m1 - ah*ah) - 2.0_dp*(ah*al)) - al*al
+         e = 0.23523038792779669_dp + mu(i)*(-0.08289885612011011_dp + mu(i)*0.5622152918248216_dp)
+         e = 0.5000316616270805_dp + mu(i)*(0.24686339784097613_dp + mu(i)*e) ! about 1/(2 kc)
+         kc_low = (w + m1_low)*e
+         r = sqrt(kc)
+         ah = transfer(iand(transfer(r, 0_i8), top26), ah)
+         al = r - ah
+         w = ((kc - ah*ah) - 2.0_dp*(ah*al)) - al*al
+         e = 0.03891054749221876_dp + mu(i)*0.16164321213180002_dp
+         e = 0.4999329498918292_dp + mu(i)*(0.1292336893641234_dp + mu(i)*e)  ! about 1/(2 r)
+         r_low = (w + kc_low)*e
+
+         a = 1.0_dp + kc                            ! d = (1 + kc)(1 + kc + 2 r)
+         a_low = ((1.0_dp - a) + kc) + kc_low
+         b = a + 2.0_dp*r
+         b_low = ((a - b) + 2.0_dp*r) + (a_low + 2.0_dp*r_low)
+         d = a*b
+         ah = transfer(iand(transfer(a, 0_i8), top26), ah)
+         al = a - ah
+         bh = transfer(iand(transfer(b, 0_i8), top26), bh)
+         bl = b - bh
+         d_low = (((ah*bh - d) + ah*bl + al*bh) + al*bl) + (a*b_low + a_low*b)
+
+         inv = 1.0_dp/d                             ! e = mu/(2 d) = (1 - r)/(2 (1 + r))
+         e = mu(i)*inv
+         ah = transfer(iand(transfer(e, 0_i8), top26), ah)
+         al = e - ah
+         bh = transfer(iand(transfer(d, 0_i8), top26), bh)
+         bl = d - bh
+         w = (((mu(i) - ah*bh) - ah*bl) - al*bh) - al*bl
+         e_low = 0.5_dp*(w - e*d_low)*inv
+         e = 0.5_dp*e
+         e4 = (e*e)*(e*e)
+         w = e_low + e*e4*(2.0_dp + e4*(15.0_dp + e4*(150.0_dp + e4*1707.0_dp)))
+         q(i) = e + w
+         q_low(i) = (e - q(i)) + w
+
+         e4 = q(i)*q(i)                             ! t = theta3(q)**2 = 2 K(mu)/pi
+         w = (1.0_dp + 2.0_dp*q(i)) + e4*e4*((1.0_dp + q(i)) + 2.0_dp*e4)
+         t = 1.0_dp + 4.0_dp*q(i)
+         t_low = ((1.0_dp - t) + 4.0_dp*q(i)) + (4.0_dp*q_low(i) + 4.0_dp*e4*(1.0_dp + e4*w))
+         a = t + t_low
+         t_low = (t - a) + t_low
+         t = a
+         theta(i) = t
+         inv = 1.0_dp/t
+         a = u(i)*inv
+         ah = transfer(iand(transfer(a, 0_i8), top26), ah)
+         al = a - ah
+         bh = transfer(iand(transfer(t, 0_i8), top26), bh)
+         bl = t - bh
+         w = (((u(i) - ah*bh) - ah*bl) - al*bh) - al*bl
+         z(i) = a
+         z_low(i) = (w - a*t_low)*inv
+      end do
+   end subroutine find_nome
+
+   !> -log(q), the period of the hyperbolic phase, as an unevaluated sum; `endless` for q = 0.
+   pure subroutine log_period(q, q_low, period, period_low)
+      real(dp), intent(in) :: q(lanes), q_low(lanes)
+      real(dp), intent(out) :: period(lanes), period_low(lanes)
+      real(dp) :: x, x_low, shift, scale, e, f, den, den_low, inv, s, s_low, ah, al, bh, bl, w, p, t
+      integer(i8) :: bits
+      integer :: i
+      !$omp simd private(x, x_low, shift, scale, e, f, den, den_low, inv, s, s_low) &
+      !$omp& private(ah, al, bh, bl, w, p, t, bits)
+      do i = 1, lanes
+         shift = merge(64.0_dp, 0.0_dp, q(i) < 1.0e-280_dp)
+         scale = 1.0_dp + shift*(two64/64.0_dp)     ! 1 or 2**64
+         x = max(q(i)*scale, tiny(1.0_dp))
+         x_low = q_low(i)*scale/x
+         bits = transfer(x, bits) + offset
+         e = transfer(ior(shiftr(bits, 52), two52_bits), e) - (two52 + 1023.0_dp) - shift
+         bits = iand(bits, fraction_bits) + root_half
+         f = transfer(bits, f) - 1.0_dp             ! log(1 + f) = 2 atanh(s), s = f/(2 + f)
+         den = 2.0_dp + f
+         den_low = (2.0_dp - den) + f
+         inv = 1.0_dp/den
+         s = f*inv
+         ah = transfer(iand(transfer(s, 0_i8), top26), ah)
+         al = s - ah
+         bh = transfer(iand(transfer(den, 0_i8), top26), bh)
+         bl = den - bh
+         s_low = (((((f - ah*bh) - ah*bl) - al*bh) - al*bl) - s*den_low)*inv
+         w = s*s
+         p = 0.18181795630884748_dp + w*(0.1538624020581371_dp + w*(0.13268759668555402_dp &
+            + w*0.13086767009995384_dp))
+         p = w*(0.6666666666666666_dp + w*(0.4000000000000088_dp + w*(0.2857142857080323_dp &
+            + w*(0.2222222239180047_dp + w*p))))
+         t = e*ln2_hi                               ! exact
+         w = t + 2.0_dp*s
+         p = ((t - w) + 2.0_dp*s) + (((e*ln2_lo + 2.0_dp*s_low) + s*p) + x_low)
+         t = w + p
+         p = (w - t) + p
+         period(i) = merge(0.0_dp, endless, q(i) > 0.0_dp) - t
+         period_low(i) = -p
+      end do
+   end subroutine log_period
+
+   !> Subtract whole periods from the phase, which stays an unevaluated sum.
+   pure subroutine reduce(period, period_low, z, z_low, turns)
+      real(dp), intent(in) :: period(lanes), period_low(lanes)
+      real(dp), intent(inout) :: z(lanes), z_low(lanes)
+      real(dp), intent(out) :: turns(lanes)
+      real(dp) :: n, hi, lo, r, a, b, w
+      integer :: i
+      !$omp simd private(n, hi, lo, r, a, b, w)
+      do i = 1, lanes
+         n = (z(i)/period(i) + rounder) - rounder
+         hi = transfer(iand(transfer(period(i), 0_i8), top22), hi)
+         lo = n*(period(i) - hi)                    ! exact for |n| <= 2**22
+         r = z(i) - n*hi                            ! exact
+         a = r - lo
+         b = a - r
+         w = ((r - (a - b)) - (lo + b)) + (z_low(i) - n*period_low(i))
+         z(i) = a + w
+         z_low(i) = (a - z(i)) + w
+         turns(i) = n
+      end do
+   end subroutine reduce
+
+   !> Numerators of sn, cn, dn from theta1, theta2, theta3 of the phase, and what divides them, from
+   !> theta4.
+   pure subroutine circular_sums(q, z, z_low, s_part, c_part, d_part, divisor)
+      real(dp), intent(in) :: q(lanes), z(lanes), z_low(lanes)
+      real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
+      real(dp) :: s(lanes), c(lanes), q2, q4, q6, y, c2, c4, even, odd, theta2, theta4
+      integer :: i
+      call sincos_pair_block(z, z_low, s, c)
+      !$omp simd private(q2, q4, q6, y, c2, c4, even, odd, theta2, theta4)
+      do i = 1, lanes
+         q2 = q(i)*q(i)
+         q4 = q2*q2
+         q6 = q4*q2
+         y = s(i)*s(i)
+         c2 = 1.0_dp - 2.0_dp*y
+         c4 = 2.0_dp*c2*c2 - 1.0_dp
+         even = 1.0_dp + 2.0_dp*q4*c4
+         odd = 2.0_dp*q(i)*c2*(1.0_dp + q4*q4*(2.0_dp*c4 - 1.0_dp))
+         s_part(i) = s(i) + s(i)*(q6*(5.0_dp - y*(20.0_dp - 16.0_dp*y)) - q2*(3.0_dp - 4.0_dp*y))
+         c_part(i) = c(i) + c(i)*(q6*(1.0_dp - y*(12.0_dp - 16.0_dp*y)) + q2*(1.0_dp - 4.0_dp*y))
+         theta2 = 1.0_dp + (q2 + q6)
+         theta4 = 1.0_dp - 2.0_dp*q(i)*(1.0_dp - q(i)*(q2 - q6*q(i)))
+         c_part(i) = theta4*c_part(i)
+         d_part(i) = (theta4*theta2)*(even + odd)
+         divisor(i) = theta2*(even - odd)
+      end do
+   end subroutine circular_sums
+
+   !> The same in the lanes near m = 1, where the phase is imaginary: e = exp(-|z|), p = q exp(2
+   !> |z|) <= 1.
+   pure subroutine hyperbolic_sums(q, period, period_low, z, z_low, s_part, c_part, d_part, divisor)
+      real(dp), intent(in), dimension(lanes) :: q, period, period_low, z, z_low
+      real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
+      real(dp), dimension(lanes) :: x, x_low, rise, e, em1, p
+      real(dp) :: q2, q4, c, a, even, odd, even3, odd3, theta2, theta4, w
+      integer :: i
+      !$omp simd private(w)
+      do i = 1, lanes
+         w = sign(1.0_dp, z(i))
+         x(i) = -abs(z(i))
+         x_low(i) = -w*z_low(i)
+         rise(i) = (-2.0_dp*x(i) - period(i)) - (2.0_dp*x_low(i) + period_low(i))
+      end do
+      call exp_pair_block(x, x_low, e, em1)
+      call exp_block(rise, p)
+      !$omp simd private(q2, q4, c, a, even, odd, even3, odd3, theta2, theta4, w)
+      do i = 1, lanes
+         q2 = q(i)*q(i)
+         q4 = q2*q2
+         w = e(i)*e(i)
+         c = p(i) + q(i)*w                          ! 2 q cosh(2 z)
+         a = c*c
+         even = 1.0_dp - q2 + (a - q2)*(q4 - q4*q4*q2)
+         odd = q(i)*c*(1.0_dp - q4 + q4*q4*(a - 2.0_dp*q2))
+         even3 = 1.0_dp + q2*(a - 2.0_dp*q2)
+         odd3 = c + c*(q4*q2*(a - 3.0_dp*q2))
+         theta2 = 2.0_dp*e(i)*(1.0_dp + (q2 + q2*q4))
+         theta4 = 1.0_dp - 2.0_dp*q(i)*(1.0_dp - q(i)*(q2 - q4*q2*q(i)))
+         s_part(i) = sign(em1(i)*(2.0_dp + em1(i)), z(i))*(even - odd)
+         c_part(i) = theta2*(even3 - odd3)
+         d_part(i) = (theta2*theta4)*(even3 + odd3)
+         divisor(i) = theta4*((1.0_dp + w)*(even + odd))
+      end do
+   end subroutine hyperbolic_sums
+
+   !> sn, cn, dn from the sums.
+   pure subroutine quotients(q, theta, s_part, c_part, d_part, divisor, sn, cn, dn)
+      real(dp), intent(in), dimension(lanes) :: q, theta, s_part, c_part, d_part, divisor
+      real(dp), intent(out), dimension(lanes) :: sn, cn, dn
+      real(dp) :: theta3, q2, r
+      integer :: i
+      !$omp simd private(theta3, q2, r)
+      do i = 1, lanes
+         q2 = q(i)*q(i)
+         theta3 = 1.0_dp + 2.0_dp*q(i)*(1.0_dp + q2*q(i)*(1.0_dp + q2*q2*q(i)))
+         r = 1.0_dp/(divisor(i)*theta3)
+         sn(i) = s_part(i)*(theta(i)*r)
+         cn(i) = c_part(i)*(theta3*r)
+         dn(i) = d_part(i)*r
+      end do
+   end subroutine quotients
+
+end module poinsot_elliptic_jacobi_kernel
