@@ -10,12 +10,14 @@
 !> costs. Products are made exact by splitting: no fused multiply-add is needed.
 module poinsot_elliptic_jacobi_kernel
    use poinsot_core_kinds, only: dp, i8, lanes
-   use poinsot_elliptic_elementary, only: sincos_pair_block, exp_pair_block, exp_block
+   use poinsot_elliptic_elementary, only: sincos_pair_block, exp_pair_block
    implicit none(type, external)
    private
    public :: jacobi_block
 
    integer(i8), parameter :: fraction_bits = 4503599627370495_i8
+   integer(i8), parameter :: exponent_bits = 9218868437227405312_i8
+   integer(i8), parameter :: two_exponents = 9214364837600034816_i8
    integer(i8), parameter :: two52_bits = 4841369599423283200_i8
    integer(i8), parameter :: root_half = 4604544271217802189_i8
    integer(i8), parameter :: offset = 4607182418800017408_i8 - root_half
@@ -39,55 +41,55 @@ contains
       real(dp), intent(out) :: cn(lanes)     !! cn(u - 2 K turns | m), not negative but for rounding
       real(dp), intent(out) :: dn(lanes)     !! dn(u | m)
       real(dp), intent(out) :: turns(lanes)  !! nearest integer to u/(2 K), as a real
-      real(dp), dimension(lanes) :: mu, side, q, q_low, theta, z, z_low, period, period_low
+      real(dp), dimension(lanes) :: mu, side, q, q_low, z, z_low, period, period_low
       real(dp), dimension(lanes) :: s_part, c_part, d_part, divisor, s_near, c_near, d_near, near
       mu = min(m, m1)
       side = m - m1 ! positive: near m = 1
-      call find_nome(u, mu, q, q_low, theta, z, z_low)
+      call find_nome(u, mu, q, q_low, z, z_low)
       call log_period(q, q_low, period, period_low)
       period = merge(period, pi_hi, side > 0.0_dp)
       period_low = merge(period_low, pi_lo, side > 0.0_dp)
       call reduce(period, period_low, z, z_low, turns)
       call circular_sums(q, z, z_low, s_part, c_part, d_part, divisor)
-      call hyperbolic_sums(q, period, period_low, z, z_low, s_near, c_near, d_near, near)
+      call hyperbolic_sums(q, z, z_low, s_near, c_near, d_near, near)
       s_part = merge(s_near, s_part, side > 0.0_dp)
       c_part = merge(c_near, c_part, side > 0.0_dp)
       d_part = merge(d_near, d_part, side > 0.0_dp)
       divisor = merge(near, divisor, side > 0.0_dp)
-      call quotients(q, theta, s_part, c_part, d_part, divisor, sn, cn, dn)
+      call quotients(q, s_part, c_part, d_part, divisor, sn, cn, dn)
    end subroutine jacobi_block
 
-   !> Nome of mu, theta3(q)**2, and the phase z = u/theta3(q)**2 as an unevaluated sum.
-   pure subroutine find_nome(u, mu, q, q_low, theta, z, z_low)
+   !> Nome of mu, and the phase z = u/theta3(q)**2 = u agm(1, kc), both as unevaluated sums.
+   pure subroutine find_nome(u, mu, q, q_low, z, z_low)
       real(dp), intent(in) :: u(lanes), mu(lanes)
-      real(dp), intent(out), dimension(lanes) :: q, q_low, theta, z, z_low
-      real(dp) :: m1, m1_low, kc, kc_low, r, r_low, a, a_low, b, b_low, d, d_low, ah, al, bh, bl
-      real(dp) :: inv, e, e_low, e4, t, t_low, w
+      real(dp), intent(out), dimension(lanes) :: q, q_low, z, z_low
+      real(dp) :: m1, kc, kc_low, r, r_low, a, a_low, b, b_low, d, d_low, ah, al, bh, bl
+      real(dp) :: inv, e, e4, w
       integer :: i
-      !$omp simd private(m1, m1_low, kc, kc_low, r, r_low, a, a_low, b, b_low, d, d_low) &
-      !$omp& private(ah, al, bh, bl, inv, e, e_low, e4, t, t_low, w)
+      !$omp simd private(m1, kc, kc_low, r, r_low, a, a_low, b, b_low, d, d_low, ah, al, bh, bl) &
+      !$omp& private(inv, e, e4, w)
       do i = 1, lanes
          m1 = 1.0_dp - mu(i)                        ! kc = sqrt(1 - mu), r = sqrt(kc), double-double
-         m1_low = (1.0_dp - m1) - mu(i)
          kc = sqrt(m1)
          ah = transfer(iand(transfer(kc, 0_i8), top26), ah)
          al = kc - ah
-         w = ((m1 - ah*ah) - 2.0_dp*(ah*al)) - al*al
-         e = 0.23523038792779669_dp + mu(i)*(-0.08289885612011011_dp + mu(i)*0.5622152918248216_dp)
-         e = 0.5000316616270805_dp + mu(i)*(0.24686339784097613_dp + mu(i)*e) ! about 1/(2 kc)
-         kc_low = (w + m1_low)*e
+         w = (((m1 - ah*ah) - 2.0_dp*(ah*al)) - al*al) + ((1.0_dp - m1) - mu(i))
+         kc_low = w*(0.50139_dp + mu(i)*(0.20135_dp + mu(i)*0.41002_dp)) ! about 1/(2 kc)
          r = sqrt(kc)
          ah = transfer(iand(transfer(r, 0_i8), top26), ah)
          al = r - ah
-         w = ((kc - ah*ah) - 2.0_dp*(ah*al)) - al*al
-         e = 0.03891054749221876_dp + mu(i)*0.16164321213180002_dp
-         e = 0.4999329498918292_dp + mu(i)*(0.1292336893641234_dp + mu(i)*e)  ! about 1/(2 r)
-         r_low = (w + kc_low)*e
+         w = (((kc - ah*ah) - 2.0_dp*(ah*al)) - al*al) + kc_low
+         r_low = w*(0.50049_dp + mu(i)*(0.10786_dp + mu(i)*0.15733_dp)) ! about 1/(2 r)
 
-         a = 1.0_dp + kc                            ! d = (1 + kc)(1 + kc + 2 r)
-         a_low = ((1.0_dp - a) + kc) + kc_low
-         b = a + 2.0_dp*r
-         b_low = ((a - b) + 2.0_dp*r) + (a_low + 2.0_dp*r_low)
+         b = 0.5_dp*(1.0_dp + r)                    ! a = ((1 + r)/2)**2, two steps of the mean
+         b_low = ((0.5_dp - b) + 0.5_dp*r) + 0.5_dp*r_low
+         a = b*b
+         bh = transfer(iand(transfer(b, 0_i8), top26), bh)
+         bl = b - bh
+         a_low = ((bh*bh - a) + 2.0_dp*(bh*bl)) + (bl*bl + 2.0_dp*(b*b_low))
+
+         b = 1.0_dp + kc                            ! d = (1 + kc) a
+         b_low = ((1.0_dp - b) + kc) + kc_low
          d = a*b
          ah = transfer(iand(transfer(a, 0_i8), top26), ah)
          al = a - ah
@@ -95,37 +97,31 @@ contains
          bl = b - bh
          d_low = (((ah*bh - d) + ah*bl + al*bh) + al*bl) + (a*b_low + a_low*b)
 
-         inv = 1.0_dp/d                             ! e = mu/(2 d) = (1 - r)/(2 (1 + r))
+         inv = 1.0_dp/d                             ! e = mu/(8 d) = (1 - r)/(2 (1 + r))
          e = mu(i)*inv
          ah = transfer(iand(transfer(e, 0_i8), top26), ah)
          al = e - ah
          bh = transfer(iand(transfer(d, 0_i8), top26), bh)
          bl = d - bh
          w = (((mu(i) - ah*bh) - ah*bl) - al*bh) - al*bl
-         e_low = 0.5_dp*(w - e*d_low)*inv
-         e = 0.5_dp*e
+         w = 0.125_dp*((w - e*d_low)*inv)
+         e = 0.125_dp*e
          e4 = (e*e)*(e*e)
-         w = e_low + e*e4*(2.0_dp + e4*(15.0_dp + e4*(150.0_dp + e4*1707.0_dp)))
+         w = w + e*(e4*(2.0_dp + e4*(15.0_dp + e4*150.0_dp)))
          q(i) = e + w
          q_low(i) = (e - q(i)) + w
 
-         e4 = q(i)*q(i)                             ! t = theta3(q)**2 = 2 K(mu)/pi
-         w = (1.0_dp + 2.0_dp*q(i)) + e4*e4*((1.0_dp + q(i)) + 2.0_dp*e4)
-         t = 1.0_dp + 4.0_dp*q(i)
-         t_low = ((1.0_dp - t) + 4.0_dp*q(i)) + (4.0_dp*q_low(i) + 4.0_dp*e4*(1.0_dp + e4*w))
-         a = t + t_low
-         t_low = (t - a) + t_low
-         t = a
-         theta(i) = t
-         inv = 1.0_dp/t
-         a = u(i)*inv
-         ah = transfer(iand(transfer(a, 0_i8), top26), ah)
-         al = a - ah
-         bh = transfer(iand(transfer(t, 0_i8), top26), bh)
-         bl = t - bh
-         w = (((u(i) - ah*bh) - ah*bl) - al*bh) - al*bl
+         e4 = (q(i)*q(i))*(q(i)*q(i))               ! agm(1, kc) = a/theta3(q**4)**2
+         w = -4.0_dp*(a*e4)*(1.0_dp - e4*(3.0_dp - e4*8.0_dp)) + a_low
+         b = a + w
+         b_low = (a - b) + w
+         a = u(i)*b
+         ah = transfer(iand(transfer(u(i), 0_i8), top26), ah)
+         al = u(i) - ah
+         bh = transfer(iand(transfer(b, 0_i8), top26), bh)
+         bl = b - bh
          z(i) = a
-         z_low(i) = (w - a*t_low)*inv
+         z_low(i) = (((ah*bh - a) + ah*bl + al*bh) + al*bl) + u(i)*b_low
       end do
    end subroutine find_nome
 
@@ -133,17 +129,17 @@ contains
    pure subroutine log_period(q, q_low, period, period_low)
       real(dp), intent(in) :: q(lanes), q_low(lanes)
       real(dp), intent(out) :: period(lanes), period_low(lanes)
-      real(dp) :: x, x_low, shift, scale, e, f, den, den_low, inv, s, s_low, ah, al, bh, bl, w, p, t
+      real(dp) :: x, shift, scale, e, f, den, den_low, inv, s, s_low, ah, al, bh, bl, w, p, t
       integer(i8) :: bits
       integer :: i
-      !$omp simd private(x, x_low, shift, scale, e, f, den, den_low, inv, s, s_low) &
+      !$omp simd private(x, shift, scale, e, f, den, den_low, inv, s, s_low) &
       !$omp& private(ah, al, bh, bl, w, p, t, bits)
       do i = 1, lanes
          shift = merge(64.0_dp, 0.0_dp, q(i) < 1.0e-280_dp)
          scale = 1.0_dp + shift*(two64/64.0_dp)     ! 1 or 2**64
          x = max(q(i)*scale, tiny(1.0_dp))
-         x_low = q_low(i)*scale/x
          bits = transfer(x, bits) + offset
+         x = q_low(i)*scale*transfer(two_exponents - iand(bits, exponent_bits), x)
          e = transfer(ior(shiftr(bits, 52), two52_bits), e) - (two52 + 1023.0_dp) - shift
          bits = iand(bits, fraction_bits) + root_half
          f = transfer(bits, f) - 1.0_dp             ! log(1 + f) = 2 atanh(s), s = f/(2 + f)
@@ -163,7 +159,8 @@ contains
             + w*(0.2222222239180047_dp + w*p))))
          t = e*ln2_hi                               ! exact
          w = t + 2.0_dp*s
-         p = ((t - w) + 2.0_dp*s) + (((e*ln2_lo + 2.0_dp*s_low) + s*p) + x_low)
+         p = ((t - w) + 2.0_dp*s) + (((e*ln2_lo + 2.0_dp*s_low) + s*p) &
+            + x*(1.0_dp - 2.0_dp*s*(1.0_dp - s*(1.0_dp - s))))
          t = w + p
          p = (w - t) + p
          period(i) = merge(0.0_dp, endless, q(i) > 0.0_dp) - t
@@ -223,10 +220,10 @@ contains
 
    !> The same in the lanes near m = 1, where the phase is imaginary: e = exp(-|z|), p = q exp(2
    !> |z|) <= 1.
-   pure subroutine hyperbolic_sums(q, period, period_low, z, z_low, s_part, c_part, d_part, divisor)
-      real(dp), intent(in), dimension(lanes) :: q, period, period_low, z, z_low
+   pure subroutine hyperbolic_sums(q, z, z_low, s_part, c_part, d_part, divisor)
+      real(dp), intent(in), dimension(lanes) :: q, z, z_low
       real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
-      real(dp), dimension(lanes) :: x, x_low, rise, e, em1, p
+      real(dp), dimension(lanes) :: x, x_low, e, em1
       real(dp) :: q2, q4, c, a, even, odd, even3, odd3, theta2, theta4, w
       integer :: i
       !$omp simd private(w)
@@ -234,16 +231,14 @@ contains
          w = sign(1.0_dp, z(i))
          x(i) = -abs(z(i))
          x_low(i) = -w*z_low(i)
-         rise(i) = (-2.0_dp*x(i) - period(i)) - (2.0_dp*x_low(i) + period_low(i))
       end do
       call exp_pair_block(x, x_low, e, em1)
-      call exp_block(rise, p)
       !$omp simd private(q2, q4, c, a, even, odd, even3, odd3, theta2, theta4, w)
       do i = 1, lanes
          q2 = q(i)*q(i)
          q4 = q2*q2
          w = e(i)*e(i)
-         c = p(i) + q(i)*w                          ! 2 q cosh(2 z)
+         c = q(i)/max(w, 1.0e-307_dp) + q(i)*w      ! 2 q cosh(2 z)
          a = c*c
          even = 1.0_dp - q2 + (a - q2)*(q4 - q4*q4*q2)
          odd = q(i)*c*(1.0_dp - q4 + q4*q4*(a - 2.0_dp*q2))
@@ -259,8 +254,8 @@ contains
    end subroutine hyperbolic_sums
 
    !> sn, cn, dn from the sums.
-   pure subroutine quotients(q, theta, s_part, c_part, d_part, divisor, sn, cn, dn)
-      real(dp), intent(in), dimension(lanes) :: q, theta, s_part, c_part, d_part, divisor
+   pure subroutine quotients(q, s_part, c_part, d_part, divisor, sn, cn, dn)
+      real(dp), intent(in), dimension(lanes) :: q, s_part, c_part, d_part, divisor
       real(dp), intent(out), dimension(lanes) :: sn, cn, dn
       real(dp) :: theta3, q2, r
       integer :: i
@@ -269,7 +264,7 @@ contains
          q2 = q(i)*q(i)
          theta3 = 1.0_dp + 2.0_dp*q(i)*(1.0_dp + q2*q(i)*(1.0_dp + q2*q2*q(i)))
          r = 1.0_dp/(divisor(i)*theta3)
-         sn(i) = s_part(i)*(theta(i)*r)
+         sn(i) = s_part(i)*(theta3*(theta3*r))
          cn(i) = c_part(i)*(theta3*r)
          dn(i) = d_part(i)*r
       end do
