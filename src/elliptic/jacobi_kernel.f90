@@ -10,7 +10,6 @@
 !> costs. Products are made exact by splitting: no fused multiply-add is needed.
 module poinsot_elliptic_jacobi_kernel
    use poinsot_core_kinds, only: dp, i8, lanes
-   use poinsot_elliptic_elementary, only: sincos_pair_block, exp_pair_block
    implicit none(type, external)
    private
    public :: jacobi_block
@@ -25,9 +24,23 @@ module poinsot_elliptic_jacobi_kernel
    integer(i8), parameter :: top22 = not(2147483647_i8) !! keeps 22
    real(dp), parameter :: two52 = 4503599627370496.0_dp, rounder = 6755399441055744.0_dp
    real(dp), parameter :: two64 = 18446744073709551616.0_dp
+   real(dp), parameter :: log2e = 1.4426950408889634_dp
    real(dp), parameter :: ln2_hi = 0.6931471805601177_dp, ln2_lo = -1.7239444525614835e-13_dp
    real(dp), parameter :: pi_hi = 3.141592653589793_dp, pi_lo = 1.2246467991473532e-16_dp
    real(dp), parameter :: endless = 1.0e10_dp !! the period for m = 1
+
+   ! sine, cosine and exponential as in poinsot_elliptic_elementary, in line: arguments are small here
+   real(dp), parameter :: s1 = -0.16666666666666666_dp, s2 = 0.008333333333330948_dp
+   real(dp), parameter :: s3 = -0.00019841269836756774_dp, s4 = 2.7557316101617874e-06_dp
+   real(dp), parameter :: s5 = -2.505113165023518e-08_dp, s6 = 1.5918115263265974e-10_dp
+   real(dp), parameter :: k1 = 0.041666666666666664_dp, k2 = -0.0013888888888887398_dp
+   real(dp), parameter :: k3 = 2.480158729876456e-05_dp, k4 = -2.7557317271145144e-07_dp
+   real(dp), parameter :: k5 = 2.087614614655861e-09_dp, k6 = -1.1382623647474462e-11_dp
+   real(dp), parameter :: e2 = 0.5_dp, e3 = 0.1666666666666667_dp, e4 = 0.04166666666666667_dp
+   real(dp), parameter :: e5 = 0.008333333333326136_dp, e6 = 0.0013888888888883748_dp
+   real(dp), parameter :: e7 = 0.00019841269874820627_dp, e8 = 2.4801587325547743e-05_dp
+   real(dp), parameter :: e9 = 2.7557255400206422e-06_dp, e10 = 2.75572736431103e-07_dp
+   real(dp), parameter :: e11 = 2.5105217004720745e-08_dp, e12 = 2.0914686968086876e-09_dp
 
 contains
 
@@ -42,21 +55,15 @@ contains
       real(dp), intent(out) :: dn(lanes)     !! dn(u | m)
       real(dp), intent(out) :: turns(lanes)  !! nearest integer to u/(2 K), as a real
       real(dp), dimension(lanes) :: mu, side, q, q_low, z, z_low, period, period_low
-      real(dp), dimension(lanes) :: s_part, c_part, d_part, divisor, s_near, c_near, d_near, near
+      real(dp), dimension(lanes) :: s_far, c_far, d_far, far, s_near, c_near, d_near, near
       mu = min(m, m1)
-      side = m - m1 ! positive: near m = 1
+      side = m1 - m ! negative: near m = 1
       call find_nome(u, mu, q, q_low, z, z_low)
       call log_period(q, q_low, period, period_low)
-      period = merge(period, pi_hi, side > 0.0_dp)
-      period_low = merge(period_low, pi_lo, side > 0.0_dp)
-      call reduce(period, period_low, z, z_low, turns)
-      call circular_sums(q, z, z_low, s_part, c_part, d_part, divisor)
+      call reduce(side, period, period_low, z, z_low, turns)
+      call circular_sums(q, z, z_low, s_far, c_far, d_far, far)
       call hyperbolic_sums(q, z, z_low, s_near, c_near, d_near, near)
-      s_part = merge(s_near, s_part, side > 0.0_dp)
-      c_part = merge(c_near, c_part, side > 0.0_dp)
-      d_part = merge(d_near, d_part, side > 0.0_dp)
-      divisor = merge(near, divisor, side > 0.0_dp)
-      call quotients(q, s_part, c_part, d_part, divisor, sn, cn, dn)
+      call quotients(side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, near, sn, cn, dn)
    end subroutine jacobi_block
 
    !> Nome of mu, and the phase z = u/theta3(q)**2 = u agm(1, kc), both as unevaluated sums.
@@ -129,11 +136,10 @@ contains
    pure subroutine log_period(q, q_low, period, period_low)
       real(dp), intent(in) :: q(lanes), q_low(lanes)
       real(dp), intent(out) :: period(lanes), period_low(lanes)
-      real(dp) :: x, shift, scale, e, f, den, den_low, inv, s, s_low, ah, al, bh, bl, w, p, t
+      real(dp) :: x, shift, scale, e, f, den, s, s_low, w, p, t
       integer(i8) :: bits
       integer :: i
-      !$omp simd private(x, shift, scale, e, f, den, den_low, inv, s, s_low) &
-      !$omp& private(ah, al, bh, bl, w, p, t, bits)
+      !$omp simd private(x, shift, scale, e, f, den, s, s_low, w, p, t, bits)
       do i = 1, lanes
          shift = merge(64.0_dp, 0.0_dp, q(i) < 1.0e-280_dp)
          scale = 1.0_dp + shift*(two64/64.0_dp)     ! 1 or 2**64
@@ -144,14 +150,8 @@ contains
          bits = iand(bits, fraction_bits) + root_half
          f = transfer(bits, f) - 1.0_dp             ! log(1 + f) = 2 atanh(s), s = f/(2 + f)
          den = 2.0_dp + f
-         den_low = (2.0_dp - den) + f
-         inv = 1.0_dp/den
-         s = f*inv
-         ah = transfer(iand(transfer(s, 0_i8), top26), ah)
-         al = s - ah
-         bh = transfer(iand(transfer(den, 0_i8), top26), bh)
-         bl = den - bh
-         s_low = (((((f - ah*bh) - ah*bl) - al*bh) - al*bl) - s*den_low)*inv
+         s = f/den
+         s_low = (0.5_dp*s)*((den - 2.0_dp) - f)*(1.0_dp - s)
          w = s*s
          p = 0.18181795630884748_dp + w*(0.1538624020581371_dp + w*(0.13268759668555402_dp &
             + w*0.13086767009995384_dp))
@@ -169,21 +169,25 @@ contains
    end subroutine log_period
 
    !> Subtract whole periods from the phase, which stays an unevaluated sum.
-   pure subroutine reduce(period, period_low, z, z_low, turns)
-      real(dp), intent(in) :: period(lanes), period_low(lanes)
+   pure subroutine reduce(side, period, period_low, z, z_low, turns)
+      real(dp), intent(in) :: side(lanes), period(lanes), period_low(lanes)
       real(dp), intent(inout) :: z(lanes), z_low(lanes)
       real(dp), intent(out) :: turns(lanes)
-      real(dp) :: n, hi, lo, r, a, b, w
+      real(dp) :: n, hi, lo, r, a, b, w, p, p_low
+      integer(i8) :: mask
       integer :: i
-      !$omp simd private(n, hi, lo, r, a, b, w)
+      !$omp simd private(n, hi, lo, r, a, b, w, p, p_low, mask)
       do i = 1, lanes
-         n = (z(i)/period(i) + rounder) - rounder
-         hi = transfer(iand(transfer(period(i), 0_i8), top22), hi)
-         lo = n*(period(i) - hi)                    ! exact for |n| <= 2**22
+         mask = shifta(transfer(side(i), mask), 63)
+         p = choose(mask, period(i), pi_hi)
+         p_low = choose(mask, period_low(i), pi_lo)
+         n = (z(i)/p + rounder) - rounder
+         hi = transfer(iand(transfer(p, 0_i8), top22), hi)
+         lo = n*(p - hi)                            ! exact for |n| <= 2**22
          r = z(i) - n*hi                            ! exact
          a = r - lo
          b = a - r
-         w = ((r - (a - b)) - (lo + b)) + (z_low(i) - n*period_low(i))
+         w = ((r - (a - b)) - (lo + b)) + (z_low(i) - n*p_low)
          z(i) = a + w
          z_low(i) = (a - z(i)) + w
          turns(i) = n
@@ -195,21 +199,33 @@ contains
    pure subroutine circular_sums(q, z, z_low, s_part, c_part, d_part, divisor)
       real(dp), intent(in) :: q(lanes), z(lanes), z_low(lanes)
       real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
-      real(dp) :: s(lanes), c(lanes), q2, q4, q6, y, c2, c4, even, odd, theta2, theta4
+      real(dp) :: x, s, c, ps, pc, q2, q4, q6, y, c2, c4, even, odd, theta2, theta4
       integer :: i
-      call sincos_pair_block(z, z_low, s, c)
-      !$omp simd private(q2, q4, q6, y, c2, c4, even, odd, theta2, theta4)
+      !$omp simd private(x, s, c, ps, pc, q2, q4, q6, y, c2, c4, even, odd, theta2, theta4)
       do i = 1, lanes
          q2 = q(i)*q(i)
          q4 = q2*q2
          q6 = q4*q2
-         y = s(i)*s(i)
+         x = 0.5_dp*min(max(z(i), -1.6_dp), 1.6_dp)  ! half the phase: at most pi/4
+         y = x*x
+         ps = s1 + y*(s2 + y*(s3 + y*(s4 + y*(s5 + y*s6))))
+         pc = k1 + y*(k2 + y*(k3 + y*(k4 + y*(k5 + y*k6))))
+         s = x + x*(y*ps)
+         c = 1.0_dp - (0.5_dp*y - y*y*pc)
+         y = 2.0_dp*s*s
+         s = 2.0_dp*(s*c)
+         c = 1.0_dp - y
+         x = z_low(i)
+         ps = s
+         s = s + c*x
+         c = c - ps*x
+         y = s*s
          c2 = 1.0_dp - 2.0_dp*y
          c4 = 2.0_dp*c2*c2 - 1.0_dp
          even = 1.0_dp + 2.0_dp*q4*c4
          odd = 2.0_dp*q(i)*c2*(1.0_dp + q4*q4*(2.0_dp*c4 - 1.0_dp))
-         s_part(i) = s(i) + s(i)*(q6*(5.0_dp - y*(20.0_dp - 16.0_dp*y)) - q2*(3.0_dp - 4.0_dp*y))
-         c_part(i) = c(i) + c(i)*(q6*(1.0_dp - y*(12.0_dp - 16.0_dp*y)) + q2*(1.0_dp - 4.0_dp*y))
+         s_part(i) = s + s*(q6*(5.0_dp - y*(20.0_dp - 16.0_dp*y)) - q2*(3.0_dp - 4.0_dp*y))
+         c_part(i) = c + c*(q6*(1.0_dp - y*(12.0_dp - 16.0_dp*y)) + q2*(1.0_dp - 4.0_dp*y))
          theta2 = 1.0_dp + (q2 + q6)
          theta4 = 1.0_dp - 2.0_dp*q(i)*(1.0_dp - q(i)*(q2 - q6*q(i)))
          c_part(i) = theta4*c_part(i)
@@ -223,51 +239,72 @@ contains
    pure subroutine hyperbolic_sums(q, z, z_low, s_part, c_part, d_part, divisor)
       real(dp), intent(in), dimension(lanes) :: q, z, z_low
       real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
-      real(dp), dimension(lanes) :: x, x_low, e, em1
+      real(dp) :: x, t, n, hi, lo, p, e, em1, power
       real(dp) :: q2, q4, c, a, even, odd, even3, odd3, theta2, theta4, w
+      integer(i8) :: bits
       integer :: i
-      !$omp simd private(w)
+      !$omp simd private(x, t, n, hi, lo, p, e, em1, power) &
+      !$omp& private(q2, q4, c, a, even, odd, even3, odd3, theta2, theta4, w, bits)
       do i = 1, lanes
-         w = sign(1.0_dp, z(i))
-         x(i) = -abs(z(i))
-         x_low(i) = -w*z_low(i)
-      end do
-      call exp_pair_block(x, x_low, e, em1)
-      !$omp simd private(q2, q4, c, a, even, odd, even3, odd3, theta2, theta4, w)
-      do i = 1, lanes
+         x = max(-abs(z(i)), -700.0_dp)
+         t = x*log2e + rounder
+         n = t - rounder
+         bits = transfer(t, bits)
+         power = transfer(shiftl(bits + 1023_i8, 52), power)
+         hi = x - n*ln2_hi
+         lo = n*ln2_lo + sign(1.0_dp, z(i))*z_low(i)
+         x = hi - lo
+         lo = (hi - x) - lo
+         p = e7 + x*(e8 + x*(e9 + x*(e10 + x*(e11 + x*e12))))
+         p = e2 + x*(e3 + x*(e4 + x*(e5 + x*(e6 + x*p))))
+         p = power*(x + (x*x*p + lo))
+         e = power + p                              ! exp(-|z|)
+         em1 = (power - 1.0_dp) + p                 ! exp(-|z|) - 1
          q2 = q(i)*q(i)
          q4 = q2*q2
-         w = e(i)*e(i)
+         w = e*e
          c = q(i)/max(w, 1.0e-307_dp) + q(i)*w      ! 2 q cosh(2 z)
          a = c*c
          even = 1.0_dp - q2 + (a - q2)*(q4 - q4*q4*q2)
          odd = q(i)*c*(1.0_dp - q4 + q4*q4*(a - 2.0_dp*q2))
          even3 = 1.0_dp + q2*(a - 2.0_dp*q2)
          odd3 = c + c*(q4*q2*(a - 3.0_dp*q2))
-         theta2 = 2.0_dp*e(i)*(1.0_dp + (q2 + q2*q4))
+         theta2 = 2.0_dp*e*(1.0_dp + (q2 + q2*q4))
          theta4 = 1.0_dp - 2.0_dp*q(i)*(1.0_dp - q(i)*(q2 - q4*q2*q(i)))
-         s_part(i) = sign(em1(i)*(2.0_dp + em1(i)), z(i))*(even - odd)
+         s_part(i) = sign(em1*(2.0_dp + em1), z(i))*(even - odd)
          c_part(i) = theta2*(even3 - odd3)
          d_part(i) = (theta2*theta4)*(even3 + odd3)
          divisor(i) = theta4*((1.0_dp + w)*(even + odd))
       end do
    end subroutine hyperbolic_sums
 
-   !> sn, cn, dn from the sums.
-   pure subroutine quotients(q, s_part, c_part, d_part, divisor, sn, cn, dn)
-      real(dp), intent(in), dimension(lanes) :: q, s_part, c_part, d_part, divisor
+   !> sn, cn, dn from the sums of the right side.
+   pure subroutine quotients(side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, near, &
+      sn, cn, dn)
+      real(dp), intent(in), dimension(lanes) :: side, q, s_far, c_far, d_far, far
+      real(dp), intent(in), dimension(lanes) :: s_near, c_near, d_near, near
       real(dp), intent(out), dimension(lanes) :: sn, cn, dn
       real(dp) :: theta3, q2, r
+      integer(i8) :: mask
       integer :: i
-      !$omp simd private(theta3, q2, r)
+      !$omp simd private(theta3, q2, r, mask)
       do i = 1, lanes
+         mask = shifta(transfer(side(i), mask), 63)
          q2 = q(i)*q(i)
          theta3 = 1.0_dp + 2.0_dp*q(i)*(1.0_dp + q2*q(i)*(1.0_dp + q2*q2*q(i)))
-         r = 1.0_dp/(divisor(i)*theta3)
-         sn(i) = s_part(i)*(theta3*(theta3*r))
-         cn(i) = c_part(i)*(theta3*r)
-         dn(i) = d_part(i)*r
+         r = 1.0_dp/(choose(mask, near(i), far(i))*theta3)
+         sn(i) = choose(mask, s_near(i), s_far(i))*(theta3*(theta3*r))
+         cn(i) = choose(mask, c_near(i), c_far(i))*(theta3*r)
+         dn(i) = choose(mask, d_near(i), d_far(i))*r
       end do
    end subroutine quotients
+
+   !> a where the mask is all ones, b where it is zero: a choice the compiler cannot turn into a
+   !> branch.
+   elemental real(dp) function choose(mask, a, b)
+      integer(i8), intent(in) :: mask
+      real(dp), intent(in) :: a, b
+      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
+   end function choose
 
 end module poinsot_elliptic_jacobi_kernel
