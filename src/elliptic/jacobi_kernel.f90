@@ -55,10 +55,14 @@ contains
       real(dp), intent(out) :: dn(lanes)     !! dn(u | m)
       real(dp), intent(out) :: turns(lanes)  !! nearest integer to u/(2 K), as a real
       real(dp), dimension(lanes) :: mu, side, q, q_low, z, z_low, period, period_low
+      real(dp), dimension(lanes) :: kc, kc_low, r, r_low, a, a_low, d, d_low
       real(dp), dimension(lanes) :: s_far, c_far, d_far, far, s_near, c_near, d_near, near
       mu = min(m, m1)
       side = m1 - m ! negative: near m = 1
-      call find_nome(u, mu, q, q_low, z, z_low)
+      call find_roots(mu, kc, kc_low, r, r_low)
+      call find_means(kc, kc_low, r, r_low, a, a_low, d, d_low)
+      call find_nome(mu, d, d_low, q, q_low)
+      call find_phase(u, q, a, a_low, z, z_low)
       call log_period(q, q_low, period, period_low)
       call reduce(side, period, period_low, z, z_low, turns)
       call circular_sums(q, z, z_low, s_far, c_far, d_far, far)
@@ -66,71 +70,99 @@ contains
       call quotients(side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, near, sn, cn, dn)
    end subroutine jacobi_block
 
-   !> Nome of mu, and the phase z = u/theta3(q)**2 = u agm(1, kc), both as unevaluated sums.
-   pure subroutine find_nome(u, mu, q, q_low, z, z_low)
-      real(dp), intent(in) :: u(lanes), mu(lanes)
-      real(dp), intent(out), dimension(lanes) :: q, q_low, z, z_low
-      real(dp) :: m1, kc, kc_low, r, r_low, a, a_low, b, b_low, d, d_low, ah, al, bh, bl
-      real(dp) :: inv, e, e4, w
+   !> kc = sqrt(1 - mu) and r = sqrt(kc), double-double.
+   pure subroutine find_roots(mu, kc, kc_low, r, r_low)
+      real(dp), intent(in) :: mu(lanes)
+      real(dp), intent(out), dimension(lanes) :: kc, kc_low, r, r_low
+      real(dp) :: m1, ah, al, w
       integer :: i
-      !$omp simd private(m1, kc, kc_low, r, r_low, a, a_low, b, b_low, d, d_low, ah, al, bh, bl) &
-      !$omp& private(inv, e, e4, w)
+      !$omp simd private(m1, ah, al, w)
       do i = 1, lanes
-         m1 = 1.0_dp - mu(i)                        ! kc = sqrt(1 - mu), r = sqrt(kc), double-double
-         kc = sqrt(m1)
-         ah = transfer(iand(transfer(kc, 0_i8), top26), ah)
-         al = kc - ah
+         m1 = 1.0_dp - mu(i)
+         kc(i) = sqrt(m1)
+         ah = transfer(iand(transfer(kc(i), 0_i8), top26), ah)
+         al = kc(i) - ah
          w = (((m1 - ah*ah) - 2.0_dp*(ah*al)) - al*al) + ((1.0_dp - m1) - mu(i))
-         kc_low = w*(0.50139_dp + mu(i)*(0.20135_dp + mu(i)*0.41002_dp)) ! about 1/(2 kc)
-         r = sqrt(kc)
-         ah = transfer(iand(transfer(r, 0_i8), top26), ah)
-         al = r - ah
-         w = (((kc - ah*ah) - 2.0_dp*(ah*al)) - al*al) + kc_low
-         r_low = w*(0.50049_dp + mu(i)*(0.10786_dp + mu(i)*0.15733_dp)) ! about 1/(2 r)
+         kc_low(i) = w*(0.50139_dp + mu(i)*(0.20135_dp + mu(i)*0.41002_dp)) ! about 1/(2 kc(i))
+         r(i) = sqrt(kc(i))
+         ah = transfer(iand(transfer(r(i), 0_i8), top26), ah)
+         al = r(i) - ah
+         w = (((kc(i) - ah*ah) - 2.0_dp*(ah*al)) - al*al) + kc_low(i)
+         r_low(i) = w*(0.50049_dp + mu(i)*(0.10786_dp + mu(i)*0.15733_dp)) ! about 1/(2 r(i))
+      end do
+   end subroutine find_roots
 
-         b = 0.5_dp*(1.0_dp + r)                    ! a = ((1 + r)/2)**2, two steps of the mean
-         b_low = ((0.5_dp - b) + 0.5_dp*r) + 0.5_dp*r_low
-         a = b*b
+   !> Two steps of the mean of 1 and kc, a = ((1 + r)/2)**2, and d = (1 + kc) a, double-double.
+   pure subroutine find_means(kc, kc_low, r, r_low, a, a_low, d, d_low)
+      real(dp), intent(in), dimension(lanes) :: kc, kc_low, r, r_low
+      real(dp), intent(out), dimension(lanes) :: a, a_low, d, d_low
+      real(dp) :: b, b_low, ah, al, bh, bl
+      integer :: i
+      !$omp simd private(b, b_low, ah, al, bh, bl)
+      do i = 1, lanes
+         b = 0.5_dp*(1.0_dp + r(i))
+         b_low = ((0.5_dp - b) + 0.5_dp*r(i)) + 0.5_dp*r_low(i)
+         a(i) = b*b
          bh = transfer(iand(transfer(b, 0_i8), top26), bh)
          bl = b - bh
-         a_low = ((bh*bh - a) + 2.0_dp*(bh*bl)) + (bl*bl + 2.0_dp*(b*b_low))
+         a_low(i) = ((bh*bh - a(i)) + 2.0_dp*(bh*bl)) + (bl*bl + 2.0_dp*(b*b_low))
 
-         b = 1.0_dp + kc                            ! d = (1 + kc) a
-         b_low = ((1.0_dp - b) + kc) + kc_low
-         d = a*b
-         ah = transfer(iand(transfer(a, 0_i8), top26), ah)
-         al = a - ah
+         b = 1.0_dp + kc(i)
+         b_low = ((1.0_dp - b) + kc(i)) + kc_low(i)
+         d(i) = a(i)*b
+         ah = transfer(iand(transfer(a(i), 0_i8), top26), ah)
+         al = a(i) - ah
          bh = transfer(iand(transfer(b, 0_i8), top26), bh)
          bl = b - bh
-         d_low = (((ah*bh - d) + ah*bl + al*bh) + al*bl) + (a*b_low + a_low*b)
+         d_low(i) = (((ah*bh - d(i)) + ah*bl + al*bh) + al*bl) + (a(i)*b_low + a_low(i)*b)
+      end do
+   end subroutine find_means
 
-         inv = 1.0_dp/d                             ! e = mu/(8 d) = (1 - r)/(2 (1 + r))
+   !> Nome of mu, double-double.
+   pure subroutine find_nome(mu, d, d_low, q, q_low)
+      real(dp), intent(in), dimension(lanes) :: mu, d, d_low
+      real(dp), intent(out), dimension(lanes) :: q, q_low
+      real(dp) :: inv, e, e4, w, ah, al, bh, bl
+      integer :: i
+      !$omp simd private(inv, e, e4, w, ah, al, bh, bl)
+      do i = 1, lanes
+         inv = 1.0_dp/d(i)                             ! e = mu/(8 d(i)) = (1 - r)/(2 (1 + r))
          e = mu(i)*inv
          ah = transfer(iand(transfer(e, 0_i8), top26), ah)
          al = e - ah
-         bh = transfer(iand(transfer(d, 0_i8), top26), bh)
-         bl = d - bh
+         bh = transfer(iand(transfer(d(i), 0_i8), top26), bh)
+         bl = d(i) - bh
          w = (((mu(i) - ah*bh) - ah*bl) - al*bh) - al*bl
-         w = 0.125_dp*((w - e*d_low)*inv)
+         w = 0.125_dp*((w - e*d_low(i))*inv)
          e = 0.125_dp*e
          e4 = (e*e)*(e*e)
          w = w + e*(e4*(2.0_dp + e4*(15.0_dp + e4*150.0_dp)))
          q(i) = e + w
          q_low(i) = (e - q(i)) + w
+      end do
+   end subroutine find_nome
 
-         e4 = (q(i)*q(i))*(q(i)*q(i))               ! agm(1, kc) = a/theta3(q**4)**2
-         w = -4.0_dp*(a*e4)*(1.0_dp - e4*(3.0_dp - e4*8.0_dp)) + a_low
-         b = a + w
-         b_low = (a - b) + w
-         a = u(i)*b
+   !> The phase z = u/theta3(q)**2 = u agm(1, kc), where agm(1, kc) = a/theta3(q**4)**2,
+   !> double-double.
+   pure subroutine find_phase(u, q, a, a_low, z, z_low)
+      real(dp), intent(in), dimension(lanes) :: u, q, a, a_low
+      real(dp), intent(out), dimension(lanes) :: z, z_low
+      real(dp) :: e4, w, b, b_low, ah, al, bh, bl
+      integer :: i
+      !$omp simd private(e4, w, b, b_low, ah, al, bh, bl)
+      do i = 1, lanes
+         e4 = (q(i)*q(i))*(q(i)*q(i))
+         w = -4.0_dp*(a(i)*e4)*(1.0_dp - e4*(3.0_dp - e4*8.0_dp)) + a_low(i)
+         b = a(i) + w
+         b_low = (a(i) - b) + w
+         z(i) = u(i)*b
          ah = transfer(iand(transfer(u(i), 0_i8), top26), ah)
          al = u(i) - ah
          bh = transfer(iand(transfer(b, 0_i8), top26), bh)
          bl = b - bh
-         z(i) = a
-         z_low(i) = (((ah*bh - a) + ah*bl + al*bh) + al*bl) + u(i)*b_low
+         z_low(i) = (((ah*bh - z(i)) + ah*bl + al*bh) + al*bl) + u(i)*b_low
       end do
-   end subroutine find_nome
+   end subroutine find_phase
 
    !> -log(q), the period of the hyperbolic phase, as an unevaluated sum; `endless` for q = 0.
    pure subroutine log_period(q, q_low, period, period_low)
