@@ -33,9 +33,9 @@ module poinsot_elliptic_jacobi_kernel
    real(dp), parameter :: s1 = -0.16666666666666666_dp, s2 = 0.008333333333330948_dp
    real(dp), parameter :: s3 = -0.00019841269836756774_dp, s4 = 2.7557316101617874e-06_dp
    real(dp), parameter :: s5 = -2.505113165023518e-08_dp, s6 = 1.5918115263265974e-10_dp
-   real(dp), parameter :: k1 = 0.041666666666666664_dp, k2 = -0.0013888888888887398_dp
-   real(dp), parameter :: k3 = 2.480158729876456e-05_dp, k4 = -2.7557317271145144e-07_dp
-   real(dp), parameter :: k5 = 2.087614614655861e-09_dp, k6 = -1.1382623647474462e-11_dp
+   real(dp), parameter :: c1 = 0.041666666666666664_dp, c2 = -0.0013888888888887398_dp
+   real(dp), parameter :: c3 = 2.480158729876456e-05_dp, c4 = -2.7557317271145144e-07_dp
+   real(dp), parameter :: c5 = 2.087614614655861e-09_dp, c6 = -1.1382623647474462e-11_dp
    real(dp), parameter :: e2 = 0.5_dp, e3 = 0.1666666666666667_dp, e4 = 0.04166666666666667_dp
    real(dp), parameter :: e5 = 0.008333333333326136_dp, e6 = 0.0013888888888883748_dp
    real(dp), parameter :: e7 = 0.00019841269874820627_dp, e8 = 2.4801587325547743e-05_dp
@@ -55,7 +55,7 @@ contains
       real(dp), intent(out) :: dn(lanes)     !! dn(u | m)
       real(dp), intent(out) :: turns(lanes)  !! nearest integer to u/(2 K), as a real
       real(dp), dimension(lanes) :: mu, side, q, q_low, z, z_low, period, period_low
-      real(dp), dimension(lanes) :: kc, kc_low, r, r_low, a, a_low, d, d_low
+      real(dp), dimension(lanes) :: kc, kc_low, r, r_low, a, a_low, d, d_low, s, c, e, em1
       real(dp), dimension(lanes) :: s_far, c_far, d_far, far, s_near, c_near, d_near, near
       mu = min(m, m1)
       side = m1 - m ! negative: near m = 1
@@ -65,8 +65,10 @@ contains
       call find_phase(u, q, a, a_low, z, z_low)
       call log_period(q, q_low, period, period_low)
       call reduce(side, period, period_low, z, z_low, turns)
-      call circular_sums(q, z, z_low, s_far, c_far, d_far, far)
-      call hyperbolic_sums(q, z, z_low, s_near, c_near, d_near, near)
+      call phase_sincos(z, z_low, s, c)
+      call circular_sums(q, s, c, s_far, c_far, d_far, far)
+      call phase_exp(z, z_low, e, em1)
+      call hyperbolic_sums(q, z, e, em1, s_near, c_near, d_near, near)
       call quotients(side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, near, sn, cn, dn)
    end subroutine jacobi_block
 
@@ -226,57 +228,62 @@ contains
       end do
    end subroutine reduce
 
-   !> Numerators of sn, cn, dn from theta1, theta2, theta3 of the phase, and what divides them, from
-   !> theta4.
-   pure subroutine circular_sums(q, z, z_low, s_part, c_part, d_part, divisor)
-      real(dp), intent(in) :: q(lanes), z(lanes), z_low(lanes)
-      real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
-      real(dp) :: x, s, c, ps, pc, q2, q4, q6, y, c2, c4, even, odd, theta2, theta4
+   !> Sine and cosine of the reduced phase, from those of its half (at most pi/4).
+   pure subroutine phase_sincos(z, z_low, s, c)
+      real(dp), intent(in) :: z(lanes), z_low(lanes)
+      real(dp), intent(out) :: s(lanes), c(lanes)
+      real(dp) :: x, y, ps, pc, sn, cs
       integer :: i
-      !$omp simd private(x, s, c, ps, pc, q2, q4, q6, y, c2, c4, even, odd, theta2, theta4)
+      !$omp simd private(x, y, ps, pc, sn, cs)
+      do i = 1, lanes
+         x = 0.5_dp*min(max(z(i), -1.6_dp), 1.6_dp) ! bites near m = 1 only, where this is not used
+         y = x*x
+         ps = s1 + y*(s2 + y*(s3 + y*(s4 + y*(s5 + y*s6))))
+         pc = c1 + y*(c2 + y*(c3 + y*(c4 + y*(c5 + y*c6))))
+         sn = x + x*(y*ps)
+         cs = 1.0_dp - (0.5_dp*y - y*y*pc)
+         x = 1.0_dp - 2.0_dp*(sn*sn)
+         y = 2.0_dp*(sn*cs)
+         s(i) = y + x*z_low(i)
+         c(i) = x - y*z_low(i)
+      end do
+   end subroutine phase_sincos
+
+   !> Numerators of sn, cn, dn from theta1, theta2, theta3 of the phase, and what divides them.
+   pure subroutine circular_sums(q, s, c, s_part, c_part, d_part, divisor)
+      real(dp), intent(in), dimension(lanes) :: q, s, c
+      real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
+      real(dp) :: q2, q4, q6, y, cos2, cos4, even, odd, theta2, theta4, w
+      integer :: i
+      !$omp simd private(q2, q4, q6, y, cos2, cos4, even, odd, theta2, theta4, w)
       do i = 1, lanes
          q2 = q(i)*q(i)
          q4 = q2*q2
          q6 = q4*q2
-         x = 0.5_dp*min(max(z(i), -1.6_dp), 1.6_dp)  ! half the phase: at most pi/4
-         y = x*x
-         ps = s1 + y*(s2 + y*(s3 + y*(s4 + y*(s5 + y*s6))))
-         pc = k1 + y*(k2 + y*(k3 + y*(k4 + y*(k5 + y*k6))))
-         s = x + x*(y*ps)
-         c = 1.0_dp - (0.5_dp*y - y*y*pc)
-         y = 2.0_dp*s*s
-         s = 2.0_dp*(s*c)
-         c = 1.0_dp - y
-         x = z_low(i)
-         ps = s
-         s = s + c*x
-         c = c - ps*x
-         y = s*s
-         c2 = 1.0_dp - 2.0_dp*y
-         c4 = 2.0_dp*c2*c2 - 1.0_dp
-         even = 1.0_dp + 2.0_dp*q4*c4
-         odd = 2.0_dp*q(i)*c2*(1.0_dp + q4*q4*(2.0_dp*c4 - 1.0_dp))
-         s_part(i) = s + s*(q6*(5.0_dp - y*(20.0_dp - 16.0_dp*y)) - q2*(3.0_dp - 4.0_dp*y))
-         c_part(i) = c + c*(q6*(1.0_dp - y*(12.0_dp - 16.0_dp*y)) + q2*(1.0_dp - 4.0_dp*y))
          theta2 = 1.0_dp + (q2 + q6)
          theta4 = 1.0_dp - 2.0_dp*q(i)*(1.0_dp - q(i)*(q2 - q6*q(i)))
-         c_part(i) = theta4*c_part(i)
+         y = s(i)*s(i)
+         cos2 = 1.0_dp - 2.0_dp*y
+         cos4 = 2.0_dp*cos2*cos2 - 1.0_dp
+         even = 1.0_dp + 2.0_dp*q4*cos4
+         odd = 2.0_dp*q(i)*cos2*(1.0_dp + q4*q4*(2.0_dp*cos4 - 1.0_dp))
          d_part(i) = (theta4*theta2)*(even + odd)
          divisor(i) = theta2*(even - odd)
+         w = q6*(5.0_dp - y*(20.0_dp - 16.0_dp*y)) - q2*(3.0_dp - 4.0_dp*y)
+         s_part(i) = s(i) + s(i)*w
+         w = q6*(1.0_dp - y*(12.0_dp - 16.0_dp*y)) + q2*(1.0_dp - 4.0_dp*y)
+         c_part(i) = theta4*(c(i) + c(i)*w)
       end do
    end subroutine circular_sums
 
-   !> The same in the lanes near m = 1, where the phase is imaginary: e = exp(-|z|), p = q exp(2
-   !> |z|) <= 1.
-   pure subroutine hyperbolic_sums(q, z, z_low, s_part, c_part, d_part, divisor)
-      real(dp), intent(in), dimension(lanes) :: q, z, z_low
-      real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
-      real(dp) :: x, t, n, hi, lo, p, e, em1, power
-      real(dp) :: q2, q4, c, a, even, odd, even3, odd3, theta2, theta4, w
+   !> exp(-|z|), and the same less 1.
+   pure subroutine phase_exp(z, z_low, e, em1)
+      real(dp), intent(in) :: z(lanes), z_low(lanes)
+      real(dp), intent(out) :: e(lanes), em1(lanes)
+      real(dp) :: x, t, n, hi, lo, p, power
       integer(i8) :: bits
       integer :: i
-      !$omp simd private(x, t, n, hi, lo, p, e, em1, power) &
-      !$omp& private(q2, q4, c, a, even, odd, even3, odd3, theta2, theta4, w, bits)
+      !$omp simd private(x, t, n, hi, lo, p, power, bits)
       do i = 1, lanes
          x = max(-abs(z(i)), -700.0_dp)
          t = x*log2e + rounder
@@ -290,23 +297,34 @@ contains
          p = e7 + x*(e8 + x*(e9 + x*(e10 + x*(e11 + x*e12))))
          p = e2 + x*(e3 + x*(e4 + x*(e5 + x*(e6 + x*p))))
          p = power*(x + (x*x*p + lo))
-         e = power + p                              ! exp(-|z|)
-         em1 = (power - 1.0_dp) + p                 ! exp(-|z|) - 1
+         e(i) = power + p
+         em1(i) = (power - 1.0_dp) + p
+      end do
+   end subroutine phase_exp
+
+   !> The same sums near m = 1, where the phase is imaginary.
+   pure subroutine hyperbolic_sums(q, z, e, em1, s_part, c_part, d_part, divisor)
+      real(dp), intent(in), dimension(lanes) :: q, z, e, em1
+      real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
+      real(dp) :: q2, q4, cosh2, a, even, odd, theta2, theta4, w
+      integer :: i
+      !$omp simd private(q2, q4, cosh2, a, even, odd, theta2, theta4, w)
+      do i = 1, lanes
          q2 = q(i)*q(i)
          q4 = q2*q2
-         w = e*e
-         c = q(i)/max(w, 1.0e-307_dp) + q(i)*w      ! 2 q cosh(2 z)
-         a = c*c
-         even = 1.0_dp - q2 + (a - q2)*(q4 - q4*q4*q2)
-         odd = q(i)*c*(1.0_dp - q4 + q4*q4*(a - 2.0_dp*q2))
-         even3 = 1.0_dp + q2*(a - 2.0_dp*q2)
-         odd3 = c + c*(q4*q2*(a - 3.0_dp*q2))
-         theta2 = 2.0_dp*e*(1.0_dp + (q2 + q2*q4))
+         theta2 = 2.0_dp*e(i)*(1.0_dp + (q2 + q2*q4))
          theta4 = 1.0_dp - 2.0_dp*q(i)*(1.0_dp - q(i)*(q2 - q4*q2*q(i)))
-         s_part(i) = sign(em1*(2.0_dp + em1), z(i))*(even - odd)
-         c_part(i) = theta2*(even3 - odd3)
-         d_part(i) = (theta2*theta4)*(even3 + odd3)
+         w = e(i)*e(i)
+         cosh2 = q(i)/max(w, 1.0e-307_dp) + q(i)*w  ! 2 q cosh(2 z), at most about 1
+         a = cosh2*cosh2
+         even = 1.0_dp - q2 + (a - q2)*(q4 - q4*q4*q2)
+         odd = q(i)*cosh2*(1.0_dp - q4 + q4*q4*(a - 2.0_dp*q2))
          divisor(i) = theta4*((1.0_dp + w)*(even + odd))
+         s_part(i) = sign(em1(i)*(2.0_dp + em1(i)), z(i))*(even - odd)
+         even = 1.0_dp + q2*(a - 2.0_dp*q2)
+         odd = cosh2 + cosh2*(q4*q2*(a - 3.0_dp*q2))
+         c_part(i) = theta2*(even - odd)
+         d_part(i) = (theta2*theta4)*(even + odd)
       end do
    end subroutine hyperbolic_sums
 
