@@ -1,0 +1,234 @@
+!> Carlson's symmetric elliptic integrals R_F, R_C, R_D, R_J by duplication, to full double
+!> precision.
+!>
+!> B. C. Carlson, Numer. Algorithms 10 (1995) 13-26; series of seventh order, DLMF 19.36(i). In R_J
+!> the products of differences are kept as ratios, so arguments of any scale do (the functions are
+!> homogeneous of degree -1/2 and -3/2). Arguments out of the domain, infinite or NaN give NaN, and
+!> nothing else does; no exception is raised but overflow, when the value itself overflows.
+module poinsot_elliptic_carlson
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use poinsot_core_kinds, only: dp
+   implicit none(type, external)
+   private
+   public :: carlson_rf, carlson_rc, carlson_rd, carlson_rj
+
+   real(dp), parameter :: close_enough = 0.008_dp !! its eighth power is 2e-17
+   integer, parameter :: most = 1100              !! duplications; a dozen is usual
+   real(dp), parameter :: huge_argument = 2.0_dp**1000 !! beyond it, sums could overflow:
+   real(dp), parameter :: down = 2.0_dp**(-40), root_down = 2.0_dp**(-20)
+
+contains
+
+   !> R_F(x, y, z) = (1/2) integral of dt/sqrt((t+x)(t+y)(t+z)) from 0 to infinity.
+   elemental real(dp) function carlson_rf(x, y, z) result(r)
+      real(dp), intent(in) :: x !! >= 0; at most one of the three is 0
+      real(dp), intent(in) :: y !! >= 0
+      real(dp), intent(in) :: z !! >= 0
+      r = ieee_value(r, ieee_quiet_nan)
+      if (.not. triple_fits(x, y, z)) return
+      if (max(x, y, z) > huge_argument) then
+         r = root_down*rf_sum(x*down, y*down, z*down)
+      else
+         r = rf_sum(x, y, z)
+      end if
+   end function carlson_rf
+
+   !> Three numbers that are finite, not negative, at most one of them 0.
+   elemental logical function triple_fits(x, y, z) result(fits)
+      real(dp), intent(in) :: x, y, z
+      fits = ieee_is_finite(x) .and. ieee_is_finite(y) .and. ieee_is_finite(z)
+      if (.not. fits) return
+      fits = min(x, y, z) >= 0.0_dp .and. max(min(x, y), min(max(x, y), z)) > 0.0_dp
+   end function triple_fits
+
+   !> Duplication for R_F; the arguments have been looked at.
+   elemental real(dp) function rf_sum(x0, y0, z0) result(r)
+      real(dp), intent(in) :: x0, y0, z0
+      real(dp) :: x, y, z, a, lambda, p, q, e2, e3
+      integer :: i
+      x = x0
+      y = y0
+      z = z0
+      do i = 1, most
+         a = (x + y + z)/3.0_dp
+         if (max(abs(a - x), abs(a - y), abs(a - z)) < close_enough*a) exit
+         lambda = sqrt(x)*(sqrt(y) + sqrt(z)) + sqrt(y)*sqrt(z)
+         x = 0.25_dp*(x + lambda)
+         y = 0.25_dp*(y + lambda)
+         z = 0.25_dp*(z + lambda)
+      end do
+      p = (a - x)/a
+      q = (a - y)/a
+      e2 = p*q - (p + q)**2
+      e3 = -p*q*(p + q)
+      r = 1.0_dp + (e2*(-1.0_dp/10.0_dp + e2/24.0_dp - 3.0_dp*e3/44.0_dp - 5.0_dp*e2*e2/208.0_dp &
+         + e2*e3/16.0_dp) + e3*(1.0_dp/14.0_dp + 3.0_dp*e3/104.0_dp))
+      r = r/sqrt(a)
+   end function rf_sum
+
+   !> R_C(x, y) = R_F(x, y, y); its Cauchy principal value for y < 0.
+   elemental real(dp) function carlson_rc(x, y) result(r)
+      real(dp), intent(in) :: x !! >= 0
+      real(dp), intent(in) :: y !! not 0
+      r = ieee_value(r, ieee_quiet_nan)
+      if (.not. (ieee_is_finite(x) .and. ieee_is_finite(y))) return
+      if (x < 0.0_dp .or. abs(y) <= 0.0_dp) return
+      if (max(x, abs(y)) > huge_argument) then
+         r = root_down*rc_any(x*down, y*down)
+      else
+         r = rc_any(x, y)
+      end if
+   end function carlson_rc
+
+   !> R_C of either sign of y (DLMF 19.2.20).
+   elemental real(dp) function rc_any(x, y) result(r)
+      real(dp), intent(in) :: x, y
+      if (y > 0.0_dp) then
+         r = rc_sum(x, y)
+      else if (x > 0.0_dp) then
+         r = (sqrt(x)/sqrt(x - y))*rc_sum(x - y, -y)
+      else
+         r = 0.0_dp
+      end if
+   end function rc_any
+
+   !> Duplication for R_C, y > 0.
+   elemental real(dp) function rc_sum(x0, y0) result(r)
+      real(dp), intent(in) :: x0, y0
+      real(dp) :: x, y, a, lambda, s
+      integer :: i
+      x = x0
+      y = y0
+      do i = 1, most
+         a = (x + 2.0_dp*y)/3.0_dp
+         if (abs(a - x) < close_enough*a) exit
+         lambda = 2.0_dp*sqrt(x)*sqrt(y) + y
+         x = 0.25_dp*(x + lambda)
+         y = 0.25_dp*(y + lambda)
+      end do
+      s = 0.5_dp*(a - x)/a
+      r = 9.0_dp/22.0_dp + s*(159.0_dp/208.0_dp + s*9.0_dp/8.0_dp)
+      r = 1.0_dp + s*s*(0.3_dp + s*(1.0_dp/7.0_dp + s*(0.375_dp + s*r)))
+      r = r/sqrt(a)
+   end function rc_sum
+
+   !> R_D(x, y, z) = R_J(x, y, z, z).
+   elemental real(dp) function carlson_rd(x, y, z) result(r)
+      real(dp), intent(in) :: x !! >= 0; not 0 together with y
+      real(dp), intent(in) :: y !! >= 0
+      real(dp), intent(in) :: z !! > 0
+      r = ieee_value(r, ieee_quiet_nan)
+      if (.not. triple_fits(x, y, z)) return
+      if (z <= 0.0_dp) return
+      if (max(x, y, z) > huge_argument) then
+         r = root_down**3*rd_sum(x*down, y*down, z*down)
+      else
+         r = rd_sum(x, y, z)
+      end if
+   end function carlson_rd
+
+   !> Duplication for R_D.
+   elemental real(dp) function rd_sum(x0, y0, z0) result(r)
+      real(dp), intent(in) :: x0, y0, z0
+      real(dp) :: x, y, z, a, lambda, total, power
+      integer :: i
+      x = x0
+      y = y0
+      z = z0
+      total = 0.0_dp
+      power = 1.0_dp
+      do i = 1, most
+         a = (x + y + 3.0_dp*z)/5.0_dp
+         if (max(abs(a - x), abs(a - y), abs(a - z)) < close_enough*a) exit
+         lambda = sqrt(x)*(sqrt(y) + sqrt(z)) + sqrt(y)*sqrt(z)
+         total = total + power/sqrt(z)/(z + lambda)
+         power = 0.25_dp*power
+         x = 0.25_dp*(x + lambda)
+         y = 0.25_dp*(y + lambda)
+         z = 0.25_dp*(z + lambda)
+      end do
+      r = power*(degree_3_2(a, (a - x)/a, (a - y)/a, (a - z)/a, (a - z)/a)) + 3.0_dp*total
+   end function rd_sum
+
+   !> The series that R_D and R_J end with (DLMF 19.36.2), x + y + z + 2 p = 0.
+   elemental real(dp) function degree_3_2(a, x, y, z, p) result(r)
+      real(dp), intent(in) :: a, x, y, z, p
+      real(dp) :: e2, e3, e4, e5, xyz
+      xyz = x*y*z
+      e2 = x*y + x*z + y*z - 3.0_dp*p*p
+      e3 = xyz + 2.0_dp*e2*p + 4.0_dp*p*p*p
+      e4 = (2.0_dp*xyz + e2*p + 3.0_dp*p*p*p)*p
+      e5 = xyz*p*p
+      r = e2*(-3.0_dp/14.0_dp + 9.0_dp*e2/88.0_dp - 9.0_dp*e3/52.0_dp - e2*e2/16.0_dp &
+         + 3.0_dp*e4/20.0_dp + 45.0_dp*e2*e3/272.0_dp - 9.0_dp*e5/68.0_dp)
+      r = r + e3*(1.0_dp/6.0_dp + 3.0_dp*e3/40.0_dp - 9.0_dp*e4/68.0_dp)
+      r = r - 3.0_dp*e4/22.0_dp + 3.0_dp*e5/26.0_dp
+      r = (1.0_dp + r)/(a*sqrt(a))
+   end function degree_3_2
+
+   !> R_J(x, y, z, p), symmetric in x, y, z; its Cauchy principal value for p < 0.
+   elemental real(dp) function carlson_rj(x, y, z, p) result(r)
+      real(dp), intent(in) :: x !! >= 0; at most one of the three is 0
+      real(dp), intent(in) :: y !! >= 0
+      real(dp), intent(in) :: z !! >= 0
+      real(dp), intent(in) :: p !! not 0
+      r = ieee_value(r, ieee_quiet_nan)
+      if (.not. triple_fits(x, y, z)) return
+      if (.not. ieee_is_finite(p)) return
+      if (abs(p) <= 0.0_dp) return
+      if (max(x, y, z, abs(p)) > huge_argument) then
+         r = root_down**3*rj_any(x*down, y*down, z*down, p*down)
+      else
+         r = rj_any(x, y, z, p)
+      end if
+   end function carlson_rj
+
+   !> R_J for either sign of p (DLMF 19.20.14).
+   elemental real(dp) function rj_any(x, y, z, p) result(r)
+      real(dp), intent(in) :: x, y, z, p
+      real(dp) :: low, middle, high, t
+      if (p > 0.0_dp) then
+         r = rj_sum(x, y, z, p)
+         return
+      end if
+      low = min(x, y, z)
+      high = max(x, y, z)
+      middle = max(min(x, y), min(max(x, y), z))
+      t = middle + (high - middle)*((middle - low)/(middle - p))
+      r = (t - middle)*rj_sum(low, middle, high, t) - 3.0_dp*rf_sum(low, middle, high)
+      r = (r + 3.0_dp*rc_any(low*(high/middle), t*(p/middle)))/(middle - p)
+   end function rj_any
+
+   !> Duplication for R_J, p > 0.
+   elemental real(dp) function rj_sum(x0, y0, z0, p0) result(r)
+      real(dp), intent(in) :: x0, y0, z0, p0
+      real(dp) :: x, y, z, p, a, lambda, total, power, dx, dy, dz, sx, sy, sz, e
+      integer :: i
+      x = x0
+      y = y0
+      z = z0
+      p = p0
+      dx = p - x
+      dy = p - y
+      dz = p - z
+      total = 0.0_dp
+      power = 1.0_dp
+      do i = 1, most
+         a = (x + y + z + 2.0_dp*p)/5.0_dp
+         if (max(abs(a - x), abs(a - y), abs(a - z), abs(a - p)) < close_enough*a) exit
+         lambda = sqrt(x)*(sqrt(y) + sqrt(z)) + sqrt(y)*sqrt(z)
+         sx = sqrt(p) + sqrt(x)
+         sy = sqrt(p) + sqrt(y)
+         sz = sqrt(p) + sqrt(z)
+         e = (((dx*power)/sx)/sx)*(((dy*power)/sy)/sy)*(((dz*power)/sz)/sz)
+         total = total + ((power/sx)/sy)/sz*rc_sum(1.0_dp, 1.0_dp + e)
+         power = 0.25_dp*power
+         x = 0.25_dp*(x + lambda)
+         y = 0.25_dp*(y + lambda)
+         z = 0.25_dp*(z + lambda)
+         p = 0.25_dp*(p + lambda)
+      end do
+      r = power*degree_3_2(a, (a - x)/a, (a - y)/a, (a - z)/a, (a - p)/a) + 6.0_dp*total
+   end function rj_sum
+
+end module poinsot_elliptic_carlson

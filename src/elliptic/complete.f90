@@ -1,0 +1,90 @@
+!> Legendre's complete elliptic integrals of the parameter m = k**2, or of m1 = 1 - m near m = 1.
+!>
+!> Sums of positive terms in Carlson's integrals (DLMF 19.25(i)), so accurate to the last digits for
+!> every m in [0, 1], also where m1 is far below the spacing of numbers next to 1. Out of the
+!> domain, infinite or NaN: NaN.
+module poinsot_elliptic_complete
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use poinsot_core_kinds, only: dp
+   use poinsot_elliptic_carlson, only: carlson_rd, carlson_rf, carlson_rj
+   implicit none(type, external)
+   private
+   public :: complete_k, complete_e, complete_pi, complete_parameter
+
+   real(dp), parameter :: half_pi = 1.5707963267948966_dp
+
+contains
+
+   !> K(m) = R_F(0, 1 - m, 1), by the arithmetic-geometric mean: K = pi/(2 agm(1, sqrt(1 - m))).
+   elemental real(dp) function complete_k(m, m1) result(r)
+      real(dp), intent(in) :: m            !! parameter, in [0, 1)
+      real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it; > 0
+      real(dp) :: a, b, c
+      integer :: i
+      b = complete_parameter(m, m1)
+      r = b
+      if (.not. ieee_is_finite(b)) return
+      r = ieee_value(r, ieee_quiet_nan)
+      if (b <= 0.0_dp) return
+      a = 1.0_dp
+      b = sqrt(b)
+      do i = 1, 20 ! a dozen steps for the smallest m1 there is
+         c = 0.5_dp*(a - b)
+         if (abs(c) < 1.0e-9_dp*a) exit
+         b = sqrt(a*b)
+         a = a - c
+         if (b > a) b = a
+      end do
+      r = half_pi/(0.5_dp*(a + b))
+   end function complete_k
+
+   !> E(m) = m1 (R_D(0, m1, 1) + R_D(0, 1, m1))/3.
+   elemental real(dp) function complete_e(m, m1) result(r)
+      real(dp), intent(in) :: m            !! parameter, in [0, 1]
+      real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it
+      real(dp) :: b
+      b = complete_parameter(m, m1)
+      r = b
+      if (.not. ieee_is_finite(b)) return
+      r = 1.0_dp
+      if (b < 1.0e-300_dp) return
+      r = b*(carlson_rd(0.0_dp, b, 1.0_dp) + carlson_rd(0.0_dp, 1.0_dp, b))/3.0_dp
+   end function complete_e
+
+   !> Pi(n, m) = integral of dt/((1 - n sin(t)**2) sqrt(1 - m sin(t)**2)) from 0 to pi/2.
+   elemental real(dp) function complete_pi(n, m, m1) result(r)
+      real(dp), intent(in) :: n            !! characteristic, < 1, any negative value too
+      real(dp), intent(in) :: m            !! parameter, in [0, 1)
+      real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it; > 0
+      real(dp) :: b, q
+      b = complete_parameter(m, m1)
+      r = b
+      if (.not. ieee_is_finite(b)) return
+      r = ieee_value(r, ieee_quiet_nan)
+      if (.not. ieee_is_finite(n)) return
+      if (b <= 0.0_dp .or. n >= 1.0_dp) return
+      r = carlson_rf(0.0_dp, b, 1.0_dp)
+      if (n >= 0.0_dp) then
+         r = r + n*carlson_rj(0.0_dp, b, 1.0_dp, 1.0_dp - n)/3.0_dp
+      else ! Abramowitz and Stegun 17.7.17: the other characteristic q, positive terms again
+         q = (m - n)/(1.0_dp - n)
+         r = (m/(m - n))*r + ((-n)/(m - n))*(b/(1.0_dp - n)) &
+            *(r + q*carlson_rj(0.0_dp, b, 1.0_dp, b/(1.0_dp - n))/3.0_dp)
+      end if
+   end function complete_pi
+
+   !> 1 - m, the given or the computed one; NaN out of the domain.
+   elemental real(dp) function complete_parameter(m, m1) result(b)
+      real(dp), intent(in) :: m            !! parameter, in [0, 1]
+      real(dp), intent(in), optional :: m1 !! 1 - m; only this one is looked at if present
+      real(dp) :: a
+      a = m
+      if (present(m1)) a = m1
+      b = ieee_value(b, ieee_quiet_nan)
+      if (.not. ieee_is_finite(a)) return
+      if (a < 0.0_dp .or. a > 1.0_dp) return
+      b = 1.0_dp - a
+      if (present(m1)) b = m1
+   end function complete_parameter
+
+end module poinsot_elliptic_complete
