@@ -8,6 +8,7 @@ program check_poinsot
    use test_body, only: collect_body
    use test_core, only: collect_core
    use test_effect, only: collect_effect
+   use test_elliptic, only: collect_elliptic
    use test_free, only: collect_free
    use test_oracle, only: collect_oracle
    use test_rotation, only: collect_rotation
@@ -22,6 +23,7 @@ program check_poinsot
       new_testsuite("core", collect_core), &
       new_testsuite("rotation", collect_rotation), &
       new_testsuite("body", collect_body), &
+      new_testsuite("elliptic", collect_elliptic), &
       new_testsuite("oracle", collect_oracle), &
       new_testsuite("free", collect_free), &
       new_testsuite("effect", collect_effect), &

@@ -1,10 +1,11 @@
 !> Carlson's symmetric elliptic integrals R_F, R_C, R_D, R_J by duplication, to full double
 !> precision.
 !>
-!> B. C. Carlson, Numer. Algorithms 10 (1995) 13-26; series of seventh order, DLMF 19.36(i). In R_J
-!> the products of differences are kept as ratios, so arguments of any scale do (the functions are
-!> homogeneous of degree -1/2 and -3/2). Arguments out of the domain, infinite or NaN give NaN, and
-!> nothing else does; no exception is raised but overflow, when the value itself overflows.
+!> B. C. Carlson, Numer. Algorithms 10 (1995) 13-26; series of seventh order, DLMF 19.36(i). The
+!> argument 1 + e_n of R_C within R_J is computed as 2 sqrt(p) (p + lambda)/d_n, a positive sum, so
+!> that arguments 1e130 apart do. The functions are homogeneous of degree -1/2 and -3/2. Arguments
+!> out of the domain, infinite or NaN give NaN, and nothing else does; no exception is raised but
+!> overflow, when the value itself overflows.
 module poinsot_elliptic_carlson
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use poinsot_core_kinds, only: dp
@@ -202,15 +203,12 @@ contains
    !> Duplication for R_J, p > 0.
    elemental real(dp) function rj_sum(x0, y0, z0, p0) result(r)
       real(dp), intent(in) :: x0, y0, z0, p0
-      real(dp) :: x, y, z, p, a, lambda, total, power, dx, dy, dz, sx, sy, sz, e
+      real(dp) :: x, y, z, p, a, lambda, total, power, sx, sy, sz, q
       integer :: i
       x = x0
       y = y0
       z = z0
       p = p0
-      dx = p - x
-      dy = p - y
-      dz = p - z
       total = 0.0_dp
       power = 1.0_dp
       do i = 1, most
@@ -220,8 +218,8 @@ contains
          sx = sqrt(p) + sqrt(x)
          sy = sqrt(p) + sqrt(y)
          sz = sqrt(p) + sqrt(z)
-         e = (((dx*power)/sx)/sx)*(((dy*power)/sy)/sy)*(((dz*power)/sz)/sz)
-         total = total + ((power/sx)/sy)/sz*rc_sum(1.0_dp, 1.0_dp + e)
+         q = 2.0_dp*(sqrt(p)/sx)*((p/sy + lambda/sy)/sz) ! Carlson's 1 + e_n, without cancellation
+         total = total + ((power/sx)/sy)/sz*rc_sum(1.0_dp, q)
          power = 0.25_dp*power
          x = 0.25_dp*(x + lambda)
          y = 0.25_dp*(y + lambda)

@@ -29,7 +29,7 @@ module poinsot_elliptic_jacobi_kernel
    real(dp), parameter :: pi_hi = 3.141592653589793_dp, pi_lo = 1.2246467991473532e-16_dp
    real(dp), parameter :: endless = 1.0e10_dp !! the period for m = 1
 
-   ! sine, cosine and exponential as in poinsot_elliptic_elementary, in line: arguments are small here
+   ! sine, cosine and exponential as in poinsot_elliptic_elementary, in line: arguments are small
    real(dp), parameter :: s1 = -0.16666666666666666_dp, s2 = 0.008333333333330948_dp
    real(dp), parameter :: s3 = -0.00019841269836756774_dp, s4 = 2.7557316101617874e-06_dp
    real(dp), parameter :: s5 = -2.505113165023518e-08_dp, s6 = 1.5918115263265974e-10_dp
