@@ -228,7 +228,7 @@ contains
          worst(1) = max(worst(1), maxval(ulps(r, tanh(real(x, qp)))))
          worst(2) = max(worst(2), maxval(ulps(s, 1/cosh(real(x, qp))), mask=abs(x) < 700))
       end do
-      call check_below(error, maxval(worst), 3.0_dp, "tanh, sech, ulp")
+      call check_below(error, maxval(worst), 4.0_dp, "tanh, sech, ulp")
    end subroutine test_tanh_sech
 
    !> A lane's bits are those of the scalar form, wherever it stands and whatever its neighbours
@@ -506,7 +506,7 @@ contains
 
    subroutine test_carlson_table(error)
       type(error_type), allocatable, intent(out) :: error
-      call check_rows("rf", 4.0e-16_dp, error)
+      call check_rows("rf", 6.0e-16_dp, error)
       if (.not. allocated(error)) call check_rows("rc", 1.0e-15_dp, error)
       if (.not. allocated(error)) call check_rows("rd", 1.0e-15_dp, error)
       if (.not. allocated(error)) call check_rows("rj", 2.0e-15_dp, error)
