@@ -16,14 +16,13 @@ module poinsot_free_jacobi_solution
    use poinsot_body_class, only: body_class
    use poinsot_elliptic_elementary, only: atan2_block, sincos_block
    use poinsot_elliptic_jacobi_kernel, only: jacobi_block
+   use poinsot_elliptic_third_kind, only: third_kind_block
    implicit none(type, external)
    private
    public :: jacobi_increment
 
    real(dp), parameter :: longest_phase = 1.0e15_dp   !! radians; beyond, no digit is left
    integer(i8), parameter :: longest_exponent = 60_i8 !! the same, roughly, as a power of two
-   integer, parameter :: most = 24                    !! duplications; four or five are usual
-   real(dp), parameter :: close_enough = 0.0115_dp    !! spread at which the series takes over
    real(dp), parameter :: tail = 340.0_dp             !! phase at which cn and dn are as good as 0
    real(dp), parameter :: tail_square = 4.7e-295_dp   !! and their squares there, 4 exp(-2 tail)
    integer(i8), parameter :: exponent_bits = 9218868437227405312_i8
@@ -356,7 +355,7 @@ contains
          p(l) = 1.0_dp + finish%nu(l)*(s(l)*s(l))
          g(l) = finish%g(l)*abs(s(l)*(s(l)*s(l)))
       end do
-      call duplicate(x, y, p, g, series, re, im)
+      call third_kind_block(x, y, p, g, series, re, im)
       !$omp simd private(sgn, excess, r)
       do l = 1, lanes
          sgn = finish%sgn(l)*sign(1.0_dp, s(l))
@@ -383,7 +382,7 @@ contains
          y(l) = choose(below(0.5_dp, abs(turns(l))), max(start%kc2(l), tiny(1.0_dp)), 1.0_dp)
          p(l) = 1.0_dp + finish%nu(l)
       end do
-      call duplicate(x, y, p, finish%g, series, re, im)
+      call third_kind_block(x, y, p, finish%g, series, re, im)
       call atan2_block(im, re, angle)
       !$omp simd
       do l = 1, lanes
@@ -391,97 +390,6 @@ contains
             *(finish%g(l)*series(l)/3.0_dp + 2.0_dp*angle(l))
       end do
    end subroutine whole_turns
-
-   !> R_J(x, y, 1, p) g/6 = g series/6 + angle of (re, im), where x <= y <= 1 <= p and
-   !> g = sqrt((p - x) (p - y) (p - 1)). Lanes stop each at its own time.
-   pure subroutine duplicate(x0, y0, p0, g0, series, re, im)
-      real(dp), intent(in), dimension(lanes) :: x0, y0, p0, g0
-      real(dp), intent(out), dimension(lanes) :: series, re, im
-      real(dp), dimension(lanes) :: x, y, z, p, g, power
-      real(dp) :: t(lanes, most), w
-      integer :: n, k, l
-      logical :: going
-      x = x0
-      y = y0
-      z = 1.0_dp
-      p = p0
-      g = g0
-      power = 1.0_dp
-      do n = 1, most
-         call halve(x, y, z, p, g, power, t(:, n), going)
-         if (.not. going) exit
-      end do
-      re = 1.0_dp
-      im = 0.0_dp
-      do k = min(n, most) - 1, 1, -1 ! angle = atan t1 + 2 (atan t2 + 2 (...))
-         !$omp simd private(w)
-         do l = 1, lanes
-            w = (re(l) - im(l))*(re(l) + im(l))
-            im(l) = 2.0_dp*re(l)*im(l)
-            re(l) = w - im(l)*t(l, k)
-            im(l) = im(l) + w*t(l, k)
-         end do
-      end do
-      call last_terms(x, y, z, p, power, series)
-   end subroutine duplicate
-
-   !> One duplication of the lanes that have not converged; the others stay as they are, t = 0.
-   pure subroutine halve(x, y, z, p, g, power, t, going)
-      real(dp), intent(inout), dimension(lanes) :: x, y, z, p, g, power
-      real(dp), intent(out) :: t(lanes)
-      logical, intent(out) :: going
-      real(dp) :: rx, ry, rz, rp, lambda, a
-      integer(i8) :: mask, all_masks
-      integer :: l
-      all_masks = 0_i8
-      !$omp simd private(rx, ry, rz, rp, lambda, a, mask) reduction(ior: all_masks)
-      do l = 1, lanes
-         a = 0.2_dp*(x(l) + y(l) + z(l) + 2.0_dp*p(l))
-         mask = shifta(transfer(close_enough*a - (p(l) - x(l)), mask), 63)
-         all_masks = ior(all_masks, mask)
-         rx = sqrt(x(l))
-         ry = sqrt(y(l))
-         rz = sqrt(z(l))
-         rp = sqrt(p(l))
-         lambda = rx*ry + rz*(rx + ry)
-         t(l) = choose(mask, g(l)/((rp + rx)*(rp + ry)*(rp + rz)), 0.0_dp)
-         x(l) = choose(mask, 0.25_dp*(x(l) + lambda), x(l))
-         y(l) = choose(mask, 0.25_dp*(y(l) + lambda), y(l))
-         z(l) = choose(mask, 0.25_dp*(z(l) + lambda), z(l))
-         p(l) = choose(mask, 0.25_dp*(p(l) + lambda), p(l))
-         g(l) = choose(mask, 0.125_dp*g(l), g(l))
-         power(l) = choose(mask, 0.25_dp*power(l), power(l))
-      end do
-      going = all_masks /= 0_i8
-   end subroutine halve
-
-   !> The series that ends the duplication (DLMF 19.36.2), to seventh order.
-   pure subroutine last_terms(x, y, z, p, power, series)
-      real(dp), intent(in), dimension(lanes) :: x, y, z, p, power
-      real(dp), intent(out) :: series(lanes)
-      real(dp) :: a, inv, dx, dy, dz, e, xyz, e2, e3, e4, e5, r
-      integer :: l
-      !$omp simd private(a, inv, dx, dy, dz, e, xyz, e2, e3, e4, e5, r)
-      do l = 1, lanes
-         a = 0.2_dp*(x(l) + y(l) + z(l) + 2.0_dp*p(l))
-         inv = 1.0_dp/a
-         dx = (a - x(l))*inv
-         dy = (a - y(l))*inv
-         dz = (a - z(l))*inv
-         e = -0.5_dp*(dx + dy + dz)
-         xyz = dx*dy*dz
-         e2 = dx*dy + dz*(dx + dy) - 3.0_dp*(e*e)
-         e3 = xyz + 2.0_dp*e*(e2 + 2.0_dp*(e*e))
-         e4 = (2.0_dp*xyz + e*(e2 + 3.0_dp*(e*e)))*e
-         e5 = xyz*(e*e)
-         r = e2*(-3.0_dp/14.0_dp + e2*(9.0_dp/88.0_dp - e2*(1.0_dp/16.0_dp) + &
-            e3*(45.0_dp/272.0_dp)) &
-            - e3*(9.0_dp/52.0_dp) + e4*(3.0_dp/20.0_dp) - e5*(9.0_dp/68.0_dp))
-         r = r + (e3*(1.0_dp/6.0_dp + e3*(3.0_dp/40.0_dp) - e4*(9.0_dp/68.0_dp)) &
-            - e4*(3.0_dp/22.0_dp) + e5*(3.0_dp/26.0_dp))
-         series(l) = power(l)*(1.0_dp + r)*inv/sqrt(a)
-      end do
-   end subroutine last_terms
 
    !> The rotation of the step, rho0 >= 0: from the pole to the old momentum, the angle about it,
    !> and back from the new one.
