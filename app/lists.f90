@@ -66,13 +66,13 @@ contains
       integer, intent(out) :: code
       type(splitting) :: scheme
       type(poinsot_error) :: error
-      character(14) :: name
+      character(18) :: name
       character(8) :: order, stages, gradients
       integer :: i
       code = exit_usage
       if (.not. fine("splittings", words, 0)) return
       code = exit_ok
-      call say("splitting     order   turns   gradients  source")
+      call say("splitting         order   turns   gradients  source")
       do i = 1, splitting_count()
          name = splitting_name(i)
          call find_splitting(trim(name), scheme, error)
@@ -82,7 +82,7 @@ contains
          call say(name // order // stages // gradients // "   " // trim(scheme%author) // ", " // &
                   text_of(scheme%year))
       end do
-      call say("auto          -       -       -          the cheapest that meets &scene tol")
+      call say("auto              -       -       -          the cheapest that meets &scene tol")
    end subroutine command_splittings
 
    !> poinsot effects [NAME]
@@ -209,9 +209,9 @@ contains
       code = exit_usage
       call find_scene(name, file, found)
       if (.not. found) then
-         call complain("scenes: there is no scene '" // name // "'; the nearest shipped one is '" // &
-                       nearest_name(name(:min(len(name), 60)), shipped_scenes) // &
-                       "' (looked in ./, POINSOT_SCENES and beside the program)")
+         call complain("scenes: there is no scene '" // name // "' in this folder, in POINSOT_SCENES or " // &
+                       "beside the program; the nearest shipped one is '" // &
+                       nearest_name(name(:min(len(name), 60)), shipped_scenes) // "'")
          return
       end if
       open (newunit=unit, file=file, action="read", status="old", iostat=code)

@@ -230,12 +230,13 @@ contains
       close (unit)
    end subroutine show_file
 
-   !> The pictures, where gnuplot is found; what gnuplot has to say goes to gnuplot.log.
+   !> The pictures, where gnuplot is found; what gnuplot complains of stays in plot_NAME.log.
    subroutine draw(scene, out, quiet)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out
       logical, intent(in) :: quiet
       character(16), allocatable :: names(:)
+      character(:), allocatable :: script
       integer :: i, state, code
       call picture_names(scene, names)
       if (size(names) == 0) return
@@ -245,11 +246,12 @@ contains
          return
       end if
       do i = 1, size(names)
-         call execute_command_line("cd " // escaped(out) // " && gnuplot plot_" // trim(names(i)) // &
-                                   ".gp >gnuplot.log 2>&1 && rm -f gnuplot.log", &
+         script = "plot_" // trim(names(i))
+         call execute_command_line("cd " // escaped(out) // " && gnuplot " // script // ".gp >" // &
+                                   script // ".log 2>&1 && rm -f " // script // ".log", &
                                    exitstat=state, cmdstat=code)
          if (state /= 0 .or. code /= 0) then
-            call complain("gnuplot failed on plot_" // trim(names(i)) // ".gp; see gnuplot.log beside it")
+            call complain("gnuplot failed on " // script // ".gp; see " // script // ".log beside it")
          else if (.not. quiet) then
             call say("picture   " // trim(names(i)) // ".svg, " // trim(names(i)) // ".png")
          end if

@@ -277,7 +277,16 @@ contains
       type(scene_settings), intent(inout) :: scene
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: numbers(:)
+      integer(i8) :: sample
       integer :: i
+      call integer_of(group, "sample", 0_i8, body_total(scene), sample, error)
+      if (raised(error)) return
+      if (sample > 0) then
+         if (given(group, "bodies")) call complain(group, "sample", "and bodies are both given; " // &
+                                                   "leave one out", error)
+         scene%output%bodies = [(1 + (i - 1)*body_total(scene)/sample, i=1, int(sample))]
+         return
+      end if
       call numbers_of(group, "bodies", numbers)
       do i = 1, size(numbers)
          if (numbers(i) >= 1 .and. numbers(i) <= real(body_total(scene), dp)) then

@@ -54,10 +54,11 @@ contains
          number_key("every", 1, 1, "", "time", "time from one output to the next, from 0 on"), &
          number_key("times", 1, -1, "", "time", "or the output times themselves, ascending"), &
          number_key("bodies", 1, -1, "", "integer", "numbers of the bodies written, from 1; default all"), &
+         number_key("sample", 1, 1, "0", "integer", "or write so many bodies, evenly spread over all of them"), &
          text_key("format", "csv", "csv extxyz csv+extxyz", "trajectory.csv, trajectory.xyz (OVITO), or both"), &
          text_key("restart", "restart.txt", "", "name of the restart file in the output folder; '' = none"), &
-         text_key("pictures", "auto", "auto none body top angle ensemble", "what is drawn from trajectory.csv"), &
-         number_key("axis", 3, 3, "", "direction", "body axis that top and angle follow; default 3 or the top's own"), &
+         text_key("pictures", "auto", "auto none body top tilt angle ensemble", "what is drawn from trajectory.csv"), &
+         number_key("axis", 3, 3, "", "direction", "body axis that pictures follow; default 3, or a top's own"), &
          number_key("rate", 1, 1, "0", "radians per time", "the frame that angle is seen from turns about z so fast")]
    end subroutine output_keys
 

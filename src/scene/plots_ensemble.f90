@@ -8,7 +8,7 @@ module poinsot_scene_plots_ensemble
    use poinsot_scene_plots_common, only: put_lines, put_start, put_end, first_group, dark, pale, grey
    implicit none(type, external)
    private
-   public :: write_temperature, write_momenta
+   public :: write_temperature, write_momenta, wanted_temperature
 
 contains
 

@@ -10,7 +10,7 @@ module poinsot_scene_plots_top
    use poinsot_scene_plots_body, only: put_wires
    implicit none(type, external)
    private
-   public :: write_nutation, write_angle
+   public :: write_nutation, write_angle, write_tilt
 
    character(*), parameter :: row = "($3,$4,$5,$6)"
 
@@ -86,6 +86,35 @@ contains
       call finish_out(file, error)
    end subroutine write_nutation
 
+   !> Angle of the followed axis from the vertical against time, a curve for each of few bodies.
+   subroutine write_tilt(scene, path, error)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: path
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      integer :: n
+      n = min(written_bodies(scene), 3)
+      call open_out(path, file, error)
+      if (raised(error)) return
+      call put_start(scene, file, "tilt", 720, 400, error)
+      call put_columns(file, error)
+      call put_axis(scene, file, error)
+      call put_lines(file, [character(120) :: &
+         "theta(x,y,z) = atan2(sqrt(x*x + y*y), z)*180/pi", &
+         "look(i) = i == 0 ? '#1f3f66' : i == 1 ? '#8a8a8a' : '#b4c2d2'", &
+         "unset key; set border 3; set tics nomirror out; set rmargin 9", &
+         "set xlabel 't'; set ylabel 'angle of the axis from the vertical (degrees)'", &
+         "set xrange [*:*]; set yrange [0:*]"], error)
+      call put(file, "do for [i=0:" // text_of(n - 1) // "] { stats file skip 1 every bodies::i using " // &
+               "(last = theta(n1" // row // ",n2" // row // ",n3" // row // ")) nooutput; " // &
+               "set label i+1 sprintf('body %d', i+1) at graph 1.01, first last tc rgb look(i) }", error)
+      call put(file, "plot for [i=0:" // text_of(n - 1) // "] file skip 1 every bodies::i using " // &
+               "1:(theta(n1" // row // ",n2" // row // ",n3" // row // ")) with lines lw 1.6 lc rgb look(i)", &
+               error)
+      call put_end(file, error)
+      call finish_out(file, error)
+   end subroutine write_tilt
+
    !> Angle of the followed axis about z against time, in a frame that may turn; of many bodies each
    !> in a lane of its own.
    subroutine write_angle(scene, path, error)
@@ -119,7 +148,7 @@ contains
       else
          call put(file, "lanes = " // text_of(n), error)
          call put_lines(file, [character(160) :: &
-            "m = 1", &
+            "m = 1; set yrange [*:*]", &
             "do for [i=0:lanes-1] { old = -1e9; stats file skip 1 every bodies::i using " // &
             "(angle($1,n1($3,$4,$5,$6),n2($3,$4,$5,$6),n3($3,$4,$5,$6))) name 'A' nooutput; \", &
             "   m = abs(A_max) > m ? abs(A_max) : m; m = abs(A_min) > m ? abs(A_min) : m }", &

@@ -40,7 +40,7 @@ module poinsot_scene_settings
       integer(i8), allocatable :: bodies(:)   !! numbers of the bodies written; size 0 = all
       logical :: csv = .true., extxyz = .false.
       character(:), allocatable :: restart    !! name of the restart file, "" = none
-      character(:), allocatable :: pictures   !! none, body, top, angle, ensemble
+      character(:), allocatable :: pictures   !! none, body, top, tilt, angle, ensemble
       real(dp) :: axis(3) = [0, 0, 1]         !! body axis that pictures follow
       real(dp) :: rate = 0                    !! turning of the frame that `angle` is seen from
    end type output_settings
