@@ -79,13 +79,15 @@ contains
       type(engine) :: better
       type(piece) :: part
       integer(i8) :: k, step
+      real(dp) :: h
       call start_engine(scene, better, error, "exact")
       step = 0
       do k = 1, piece_count(scene)
          if (raised(error)) return
          part = get_piece(scene, k)
-         call engine_step(better, other, part%from, part%h/real(finer, dp), step, &
-                          finer*part%steps, error)
+         h = part%h/real(finer, dp)
+         call engine_step(better, other, part%from - real(step, dp)*h, h, step, finer*part%steps, &
+                          error)
          step = step + finer*part%steps
       end do
       report%reference = "the same scene with 'exact' and a quarter of the step"

@@ -117,6 +117,24 @@ contains
       if (abs(u(3)) < 0.99_dp) azimuth = nint(atan2(u(2), u(1))*45/atan(1.0_dp)) + 25
    end subroutine find_eye
 
+   !> Between the momentum at the start and the axis that it runs around: what the picture of the
+   !> momentum is seen along.
+   pure function polhode_middle(bodies) result(middle)
+      type(body_group), intent(in) :: bodies
+      real(dp) :: middle(3), u(3), a(3)
+      integer :: order(3), pole
+      middle = 0
+      if (maxval(abs(bodies%y)) <= 0) return
+      u = bodies%y/maxval(abs(bodies%y))
+      u = u/norm2(u)
+      middle = u
+      if (.not. has_contours(bodies)) return
+      call sorted_inverse(bodies%moments, a, order)
+      pole = order(1)
+      if ((a(1) - a(2))*u(order(1))**2 < (a(2) - a(3))*u(order(3))**2) pole = order(3)
+      middle(pole) = middle(pole) + sign(1.2_dp, u(pole))
+   end function polhode_middle
+
    !> Momentum in space at the start, of the first body written, its vertical part upwards: what the
    !> picture of the axes is seen along.
    pure function momentum_pole(scene) result(pole)
@@ -141,7 +159,7 @@ contains
       call open_out(path, file, error)
       if (raised(error)) return
       call put_start(scene, file, "momentum", 520, 520, error)
-      call find_eye(scene%bodies(first_group(scene))%y, azimuth, height)
+      call find_eye(polhode_middle(scene%bodies(first_group(scene))), azimuth, height)
       call put_sphere(file, azimuth, height, error)
       call put_principal(scene, file, vector, error)
       call put_contours(scene%bodies(first_group(scene)), file, error)

@@ -60,15 +60,13 @@ contains
       large = text_of(2*width) // "," // text_of(2*height)
       call put(file, "# gnuplot plot_" // name // ".gp, in this folder, draws " // name // &
                ".svg and " // name // ".png", error)
-      call put_lines(file, [character(100) :: &
-         "set datafile separator ','", &
-         "set encoding utf8", &
-         "file = 'trajectory.csv'"], error)
+      call put(file, "file = 'trajectory.csv'", error)
       call put(file, "bodies = " // text_of(written_bodies(scene)) // "   # rows of a frame", error)
       call put_lines(file, [character(100) :: &
          "body = 0     # which of them is drawn, from 0", &
          "do for [kind in 'svg pngcairo'] {", &
          "if (strstrt(GPVAL_TERMINALS, kind) == 0) { continue }", &
+         "reset; set encoding utf8; set datafile separator ','", &
          "if (kind eq 'svg') {"], error)
       call put(file, "set terminal svg size " // extent // " dynamic background '#ffffff' " // &
                "font 'DejaVu Sans,12'", error)

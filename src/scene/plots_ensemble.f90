@@ -48,15 +48,21 @@ contains
       if (raised(error)) return
       call put_start(scene, file, "temperature", 720, 420, error)
       call put_moments(scene, file, error)
-      call put_lines(file, [character(170) :: &
+      call put_lines(file, [character(230) :: &
          "unset key; set border 3; set tics nomirror out", &
-         "set xlabel 't'; set ylabel 'temperature of each axis, over the wanted one'", &
-         "set xrange [*:*]; set yrange [0:*]; set rmargin 12", &
+         "set xlabel 't'; set ylabel 'temperature of each axis / wanted one'", &
+         "set xrange [*:*]; set yrange [0:1.4]; set rmargin 9", &
          "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lc rgb '#b0b0b0' dt 2", &
+         "# names where the curves part: at a fifth of the time", &
          "stats file skip 1 using 1 name 'T' nooutput", &
-         "set label 1 'axis 1' at graph 1.01, graph 0.62 tc rgb '#1f3f66'", &
-         "set label 2 'axis 2' at graph 1.01, graph 0.56 tc rgb '#7d7d7d'", &
-         "set label 3 'axis 3' at graph 1.01, graph 0.50 tc rgb '#b4c2d2'", &
+         "near(t) = abs(t - T_max/5) <= abs(T_max - T_min)/40", &
+         "do for [j=1:3] {", &
+         "i = j == 1 ? i1 : j == 2 ? i2 : i3", &
+         "if (i > 0) {", &
+         "stats file skip 1 using (near($1) ? column(6+j)**2/i/kt : NaN) name 'A' nooutput", &
+         "set label j sprintf('axis %d', j) at T_max/5, A_mean offset 1,-0.8 tc rgb '#404040'", &
+         "}", &
+         "}", &
          "plot file skip 1 using 1:(i1 > 0 ? $7**2/i1/kt : NaN) smooth unique with lines lc rgb '#1f3f66' lw 2, \", &
          "   file skip 1 using 1:(i2 > 0 ? $8**2/i2/kt : NaN) smooth unique with lines lc rgb '#7d7d7d' lw 2 dt 5, \", &
          "   file skip 1 using 1:(i3 > 0 ? $9**2/i3/kt : NaN) smooth unique with lines lc rgb '#b4c2d2' lw 2"], &
@@ -75,13 +81,13 @@ contains
       if (raised(error)) return
       call put_start(scene, file, "momenta", 960, 360, error)
       call put_moments(scene, file, error)
-      call put_lines(file, [character(170) :: &
+      call put_lines(file, [character(230) :: &
          "unset key; set border 1; set tics nomirror out; unset ytics", &
          "stats file skip 1 using 1 name 'T' nooutput", &
          "last = int(T_records) - bodies   # first row of the last frame", &
          "width = 0.25; bin(x) = width*(floor(x/width) + 0.5)", &
          "set xrange [-4.2:4.2]; set yrange [0:0.47]; set xtics 2", &
-         "set multiplot layout 1,3 margins 0.02,0.98,0.16,0.9 spacing 0.03,0", &
+         "set multiplot layout 1,3 margins 0.02,0.98,0.24,0.9 spacing 0.03,0", &
          "do for [j=1:3] {", &
          "i = j == 1 ? i1 : j == 2 ? i2 : i3", &
          "set title sprintf('axis %d', j) offset 0,-0.6", &

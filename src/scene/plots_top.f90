@@ -103,7 +103,7 @@ contains
          "theta(x,y,z) = atan2(sqrt(x*x + y*y), z)*180/pi", &
          "look(i) = i == 0 ? '#1f3f66' : i == 1 ? '#8a8a8a' : '#b4c2d2'", &
          "unset key; set border 3; set tics nomirror out; set rmargin 9", &
-         "set xlabel 't'; set ylabel 'angle of the axis from the vertical (degrees)'", &
+         "set xlabel 't'; set ylabel 'tilt of the axis (degrees)'", &
          "set xrange [*:*]; set yrange [0:*]"], error)
       call put(file, "do for [i=0:" // text_of(n - 1) // "] { stats file skip 1 every bodies::i using " // &
                "(last = theta(n1" // row // ",n2" // row // ",n3" // row // ")) nooutput; " // &
@@ -139,12 +139,16 @@ contains
          "unset key; set border 3; set tics nomirror out", &
          "set xlabel 't'; set xrange [*:*]"], error)
       if (n <= 2) then
-         call put(file, "set ylabel 'angle of the axis (degrees)'", error)
+         call put(file, "set ylabel 'angle of the axis (degrees)'; set rmargin 9", error)
          call put(file, "set zeroaxis lc rgb '#c8c8c8'", error)
+         call put(file, "do for [i=0:" // text_of(n - 1) // "] { old = -1e9; stats file skip 1 every " // &
+                  "bodies::i using (last = angle($1,n1" // row // ",n2" // row // ",n3" // row // &
+                  ")) nooutput; set label i+1 sprintf('body %d', i+1) at graph 1.01, first last " // &
+                  "tc rgb (i == 0 ? '#1f3f66' : '#8a8a8a') }", error)
          call put(file, "plot for [i=0:" // text_of(n - 1) // "] file skip 1 every bodies::i using " // &
                   "($0 == 0 ? (old = -1e9) : 0, $1):(angle($1,n1" // row // ",n2" // row // ",n3" // &
-                  row // ")) with lines lc rgb (i == 0 ? '" // dark // "' : '" // pale // &
-                  "') lw 1.6", error)
+                  row // ")) with lines lc rgb (i == 0 ? '" // dark // &
+                  "' : '#8a8a8a') lw 1.6", error)
       else
          call put(file, "lanes = " // text_of(n), error)
          call put_lines(file, [character(160) :: &

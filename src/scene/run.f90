@@ -248,14 +248,15 @@ contains
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       integer(i8) :: steps, most
-      real(dp) :: begun
+      real(dp) :: begun, origin
+      origin = part%from - real(run%step - done, dp)*part%h
       most = max(1_i8, int(chunk/real(body_total(scene), dp), i8))
       do while (done < part%steps)
          run%stopped = watch%stop_now()
          if (run%stopped) return
          steps = min(most, part%steps - done)
          begun = wall_clock()
-         call engine_step(run%engine, run%states, time_in(part, done), part%h, run%step, steps, error)
+         call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error)
          report%stepping = report%stepping + wall_clock() - begun
          if (raised(error)) return
          done = done + steps
