@@ -56,12 +56,13 @@ contains
       height = 16
       call put_sphere(file, azimuth, height, error)
       call put_pole(momentum_pole(scene), file, error)
-      call put(file, "set multiplot layout 1,3 margins 0.01,0.99,0.01,0.92 spacing 0.01,0", error)
+      call put(file, "set yrange [-1.4:1.45]; set xrange [-1.15:1.15]", error)
+      call put(file, "set multiplot layout 1,3 margins 0.005,0.995,0.005,0.995 spacing 0.01,0", error)
       row = " skip 1 every bodies::body "
       do axis = 1, 3
          j = text_of(axis)
          vector = "(q1" // j // "($3,$4,$5,$6),q2" // j // "($3,$4,$5,$6),q3" // j // "($3,$4,$5,$6))"
-         call put(file, "set title '" // axis_title(scene, axis) // "' offset 0,-0.9", error)
+         call put(file, "set label 2 '" // axis_title(scene, axis) // "' at 0,-1.25 center", error)
          call put_wires(file, error)
          call put(file, "   file" // row // "using (far" // vector // "):(py" // vector // &
                   ") with lines lc rgb '" // pale // "' lw 1.2, \", error)

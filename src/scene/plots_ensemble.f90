@@ -49,24 +49,17 @@ contains
       call put_start(scene, file, "temperature", 720, 420, error)
       call put_moments(scene, file, error)
       call put_lines(file, [character(230) :: &
-         "unset key; set border 3; set tics nomirror out", &
+         "set key bottom right reverse Left; set border 3; set tics nomirror out", &
          "set xlabel 't'; set ylabel 'temperature of each axis / wanted one'", &
-         "set xrange [*:*]; set yrange [0:1.4]; set rmargin 9", &
-         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lc rgb '#b0b0b0' dt 2", &
-         "# names where the curves part: at a fifth of the time", &
-         "stats file skip 1 using 1 name 'T' nooutput", &
-         "near(t) = abs(t - T_max/5) <= abs(T_max - T_min)/40", &
-         "do for [j=1:3] {", &
-         "i = j == 1 ? i1 : j == 2 ? i2 : i3", &
-         "if (i > 0) {", &
-         "stats file skip 1 using (near($1) ? column(6+j)**2/i/kt : NaN) name 'A' nooutput", &
-         "set label j sprintf('axis %d', j) at T_max/5, A_mean offset 1,-0.8 tc rgb '#404040'", &
-         "}", &
-         "}", &
-         "plot file skip 1 using 1:(i1 > 0 ? $7**2/i1/kt : NaN) smooth unique with lines lc rgb '#1f3f66' lw 2, \", &
-         "   file skip 1 using 1:(i2 > 0 ? $8**2/i2/kt : NaN) smooth unique with lines lc rgb '#7d7d7d' lw 2 dt 5, \", &
-         "   file skip 1 using 1:(i3 > 0 ? $9**2/i3/kt : NaN) smooth unique with lines lc rgb '#b4c2d2' lw 2"], &
-         error)
+         "set autoscale xfix; set yrange [0:1.4]", &
+         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lc rgb '#b0b0b0' dt 2"], error)
+      call put_lines(file, [character(160) :: &
+         "plot file skip 1 using 1:(i1 > 0 ? $7**2/i1/kt : NaN) smooth unique title 'axis 1' " // &
+         "with lines lc rgb '#1f3f66' lw 2, \", &
+         "   file skip 1 using 1:(i2 > 0 ? $8**2/i2/kt : NaN) smooth unique title 'axis 2' " // &
+         "with lines lc rgb '#5f5f5f' lw 2 dt 2, \", &
+         "   file skip 1 using 1:(i3 > 0 ? $9**2/i3/kt : NaN) smooth unique title 'axis 3' " // &
+         "with lines lc rgb '#94a6ba' lw 2"], error)
       call put_end(file, error)
       call finish_out(file, error)
    end subroutine write_temperature

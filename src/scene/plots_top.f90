@@ -104,7 +104,7 @@ contains
          "look(i) = i == 0 ? '#1f3f66' : i == 1 ? '#8a8a8a' : '#b4c2d2'", &
          "unset key; set border 3; set tics nomirror out; set rmargin 9", &
          "set xlabel 't'; set ylabel 'tilt of the axis (degrees)'", &
-         "set xrange [*:*]; set yrange [0:*]"], error)
+         "set autoscale xfix; set yrange [0:*]"], error)
       call put(file, "do for [i=0:" // text_of(n - 1) // "] { stats file skip 1 every bodies::i using " // &
                "(last = theta(n1" // row // ",n2" // row // ",n3" // row // ")) nooutput; " // &
                "set label i+1 sprintf('body %d', i+1) at graph 1.01, first last tc rgb look(i) }", error)
@@ -137,11 +137,11 @@ contains
          "turned(p) = (old = (old > -1e8 ? old + jump(p - old) : jump(p)))", &
          "angle(t,x,y,z) = x == 0 && y == 0 ? NaN : turned((atan2(y, x) - rate*t)*180/pi)", &
          "unset key; set border 3; set tics nomirror out", &
-         "set xlabel 't'; set xrange [*:*]"], error)
+         "set xlabel 't'; set autoscale xfix"], error)
       if (n <= 2) then
          call put(file, "set ylabel 'angle of the axis (degrees)'; set rmargin 9", error)
          call put(file, "set zeroaxis lc rgb '#c8c8c8'", error)
-         call put(file, "do for [i=0:" // text_of(n - 1) // "] { old = -1e9; stats file skip 1 every " // &
+         if (n == 2) call put(file, "do for [i=0:1] { old = -1e9; stats file skip 1 every " // &
                   "bodies::i using (last = angle($1,n1" // row // ",n2" // row // ",n3" // row // &
                   ")) nooutput; set label i+1 sprintf('body %d', i+1) at graph 1.01, first last " // &
                   "tc rgb (i == 0 ? '#1f3f66' : '#8a8a8a') }", error)
