@@ -5,7 +5,8 @@ module poinsot_scene_override
    use poinsot_scene_text, only: lower, quoted, text_of
    use poinsot_scene_number, only: parse_integer, number_ok
    use poinsot_scene_reader, only: scan_values
-   use poinsot_scene_source, only: scene_source, scene_group, scene_entry, append, find_group, refuse
+   use poinsot_scene_source, only: scene_source, scene_group, scene_entry, append, find_group, refuse, &
+      from_option
    implicit none(type, external)
    private
    public :: override
@@ -31,6 +32,7 @@ contains
          return
       end if
       group = lower(trim(adjustl(text(:dot - 1))))
+      entry%line = from_option
       entry%key = lower(trim(adjustl(text(dot + 1:equals - 1))))
       call take_number(group, nth, error)
       if (.not. raised(error)) call scan_values(text(equals + 1:), place, group, entry, error)
@@ -83,6 +85,7 @@ contains
       end if
       if (k == 0) then
          group%name = name
+         group%line = from_option
          call append(source, group)
          k = source%count
       end if

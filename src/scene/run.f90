@@ -11,7 +11,8 @@ module poinsot_scene_run
    use poinsot_scene_drift, only: start_drift, follow_drift
    use poinsot_scene_files, only: make_folder, remove_file, file_exists
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
-   use poinsot_scene_restart, only: restart_state, write_restart, read_restart
+   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, &
+      sum_of_kinds
    use poinsot_scene_summary, only: run_report, write_summary
    use poinsot_scene_compare, only: compare_end
    use poinsot_scene_pictures, only: write_pictures, picture_files
@@ -56,6 +57,7 @@ contains
       call prepare(scene, out, run, report, error)
       if (raised(error)) return
       call march(scene, run, watch, report, error)
+      if (error%code == poinsot_e_io) closing = error ! a file that could not be written keeps its .part
       call finish_frames(run%frames, closing)
       report%t = run%t
       report%all = wall_clock() - begun
@@ -159,7 +161,7 @@ contains
                     "would overwrite what it continues; choose another --out")
          return
       end if
-      call read_restart(scene%from, body_total(scene), saved, error)
+      call read_restart(scene%from, body_total(scene), kinds_of(scene), saved, error)
       if (raised(error)) return
       if (saved%t >= scene%t_end) then
          call raise(error, poinsot_e_scene, scene%from // ": is at t = " // text_of(saved%t) // &
@@ -296,11 +298,23 @@ contains
       saved%h = scene%h
       saved%step = run%step
       saved%seed = scene%seed
+      saved%kinds = kinds_of(scene)
       saved%y = run%states%y
       saved%q = run%states%q
       saved%carry = run%states%carry
       call write_restart(out // "/" // scene%output%restart, saved, error)
    end subroutine save_restart
+
+   !> What tells this scene's bodies from others.
+   pure integer(i8) function kinds_of(scene)
+      type(scene_settings), intent(in) :: scene
+      real(dp) :: moments(3, size(scene%bodies))
+      integer :: i
+      do i = 1, size(scene%bodies)
+         moments(:, i) = scene%bodies(i)%moments
+      end do
+      kinds_of = sum_of_kinds(scene%bodies%count, moments)
+   end function kinds_of
 
    !> Seconds on some clock.
    real(dp) function wall_clock()
