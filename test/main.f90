@@ -7,9 +7,11 @@ program check_poinsot
    use poinsot_core_kinds, only: dp, i8
    use test_body, only: collect_body
    use test_core, only: collect_core
+   use test_effect, only: collect_effect
    use test_free, only: collect_free
    use test_oracle, only: collect_oracle
    use test_rotation, only: collect_rotation
+   use test_splitting, only: collect_splitting
    implicit none(type, external)
 
    type(testsuite_type), allocatable :: suites(:)
@@ -21,7 +23,9 @@ program check_poinsot
       new_testsuite("rotation", collect_rotation), &
       new_testsuite("body", collect_body), &
       new_testsuite("oracle", collect_oracle), &
-      new_testsuite("free", collect_free)]
+      new_testsuite("free", collect_free), &
+      new_testsuite("effect", collect_effect), &
+      new_testsuite("splitting", collect_splitting)]
    first = 1
    call get_argument(first, suite)
    if (allocated(suite)) then

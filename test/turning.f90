@@ -8,13 +8,26 @@ module test_turning
    use poinsot_free_method, only: free_method, find_method
    use poinsot_effect_effect, only: effect_item, torque_effect
    use poinsot_effect_drag, only: drag
+   use poinsot_effect_settings, only: setting, number_setting
+   use poinsot_effect_registry, only: make_effect
    use poinsot_splitting_tableaux, only: splitting
    use poinsot_splitting_registry, only: find_splitting
    use poinsot_splitting_stepper, only: run_steps, enter_kernel, leave_kernel
    use poinsot_splitting_block_flows, only: block_flows
+   use test_oracle_taylor, only: taylor_problem, top_problem
    implicit none(type, external)
    private
    public :: bench, set_up, place, run, run_processed, judge, product_of, rotated, rotated_back
+   public :: no_effects, generic_effects, generic_problem, generic_moments_of, generic_y, generic_q
+
+   !> A body and a state with nothing special about them.
+   real(dp), parameter :: generic_moments_of(3) = [0.6_dp, 1.0_dp, 0.8_dp]
+   real(dp), parameter :: generic_y(3) = [0.9_dp, 0.4_dp, -0.7_dp]
+   real(dp), parameter :: generic_q(4) = [0.5_dp, 0.1_dp, -0.7_dp, 0.5_dp]
+   real(dp), parameter :: up(3) = [1.0_dp/3, 2.0_dp/3, -2.0_dp/3]
+   real(dp), parameter :: centre(3) = [0.3_dp, -0.5_dp, 0.7_dp], dipole(3) = [0.2_dp, 0.4_dp, &
+      -0.1_dp]
+   real(dp), parameter :: axis(3) = [0.48_dp, 0.6_dp, 0.64_dp]
 
    !> Everything a block needs, in one place that stays put.
    type :: bench
@@ -28,6 +41,40 @@ module test_turning
    end type bench
 
 contains
+
+   !> None at all.
+   function no_effects() result(effects)
+      type(effect_item), allocatable :: effects(:)
+      allocate (effects(0))
+   end function no_effects
+
+   !> Gravity off the axes, a dipole in a field and a spring, all along one direction of space, so
+   !> that the Taylor series of the oracle knows the motion.
+   subroutine generic_effects(effects)
+      type(effect_item), allocatable, intent(out) :: effects(:)
+      type(poinsot_error) :: error
+      allocate (effects(3))
+      call make_effect("gravity", [number_setting("centre", centre), number_setting("up", up), &
+         number_setting("weight", [1.3_dp])], effects(1)%it, error)
+      call make_effect("field", [number_setting("dipole", dipole), number_setting("strength", &
+         1.1_dp*up)], &
+         effects(2)%it, error)
+      call make_effect("spring", [number_setting("stiffness", [0.9_dp]), number_setting("axis", &
+         axis), &
+         number_setting("direction", up)], effects(3)%it, error)
+   end subroutine generic_effects
+
+   !> The same for the oracle.
+   function generic_problem() result(problem)
+      type(taylor_problem) :: problem
+      integer :: i, j
+      problem = top_problem(generic_moments_of, 1.3_dp*centre - 1.1_dp*dipole, up)
+      do i = 1, 3
+         do j = 1, 3
+            problem%stiffness(i, j) = -0.9_dp*axis(i)*axis(j)
+         end do
+      end do
+   end function generic_problem
 
    !> Put a block together; `good` says whether it worked.
    subroutine set_up(it, moments, method, scheme, effects)
@@ -62,6 +109,7 @@ contains
       end do
       it%block%status = poinsot_ok
       it%block%carry = 0
+      it%block%fresh = .false.
    end subroutine place
 
    !> `steps` steps from time t.

@@ -1,9 +1,10 @@
 !> A body class: what a kernel needs to know of a body's moments of inertia, worked out once.
 !>
-!> Kernels see bodies through axes sorted by moment, I1 <= I2 <= I3 (`order`); an odd order would be a mirror image, so
-!> it comes with `parity = -1`, the sign of momentum and of the vector part of a rotation. All constants below are
-!> dimensionless and finite for every physical body, linear, flat, symmetric and spherical ones alike; nothing here
-!> multiplies two moments, so that SI units of molecules (1e-46 kg m^2) cost nothing.
+!> Kernels see bodies through axes sorted by moment, I1 <= I2 <= I3 (`order`); an odd order would be
+!> a mirror image, so it comes with `parity = -1`, the sign of momentum and of the vector part of a
+!> rotation. All constants below are dimensionless and finite for every physical body, linear, flat,
+!> symmetric and spherical ones alike; nothing here multiplies two moments, so that SI units of
+!> molecules (1e-46 kg m^2) cost nothing.
 module poinsot_body_class
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
@@ -15,9 +16,11 @@ module poinsot_body_class
    private
    public :: body_class, make_class, series_levels, level_degree, longest_step
 
-   integer, parameter :: series_levels = 4                             !! lengths of series the exact step offers
-   integer, parameter :: level_degree(series_levels) = [4, 6, 8, 10]   !! highest power of h^2 in P and R
-   real(dp), parameter :: longest_step = 0.7_dp                        !! h |omega| of the longest single exact step
+   integer, parameter :: series_levels = 4              !! lengths of series the exact step offers
+   integer, parameter :: level_degree(series_levels) = [4, 6, 8, 10] !! highest power of h^2 in P
+                                                                     !! and R
+   real(dp), parameter :: longest_step = 0.7_dp         !! h |omega| of the longest single exact
+                                                        !! step
 
    !> Constants of a body class (mathematics, sections 2 and 3).
    type :: body_class
@@ -34,16 +37,17 @@ module poinsot_body_class
       real(dp) :: f1 = 0                  !! (I3-I2)/I3
       real(dp) :: g1 = 0.5_dp             !! theta I3/I1; 0 if I1 = 0
       real(dp) :: g3 = 0.5_dp             !! (1-theta) I1/I3
-      real(dp) :: p(0:max_degree, 0:max_degree) = 0 !! series P: coefficient (i,j) of p^i r^j
-      real(dp) :: r(0:max_degree, 0:max_degree) = 0 !! series R
-      real(dp) :: reach(series_levels) = 0 !! largest (h |omega|)^2 for which a level is exact to rounding
+      real(dp) :: p(0:max_degree, 0:max_degree) = 0 !! series 1 + P: coefficient (i,j) of p^i r^j
+      real(dp) :: r(0:max_degree, 0:max_degree) = 0 !! series 1 + R
+      real(dp) :: reach(series_levels) = 0 !! largest (h |omega|)^2 for which a level is exact to
+                                           !! rounding
    end type body_class
 
 contains
 
    !> Work out a body class. POINSOT_E_DOMAIN if the moments are not finite, negative or unphysical.
-   !> With `physical = .false.` moments that no mass has (the largest above the sum of the others) are taken all the same:
-   !> Euler's equations have them, and so do published examples.
+   !> With `physical = .false.` moments that no mass has (the largest above the sum of the others)
+   !> are taken all the same: Euler's equations have them, and so do published examples.
    pure subroutine make_class(moments, class, error, physical)
       real(dp), intent(in) :: moments(3)         !! principal moments, any order, any unit
       type(body_class), intent(out) :: class     !! constants for the kernels
@@ -106,11 +110,13 @@ contains
       parity = -parity
    end subroutine exchange
 
-   !> Largest (h |omega|)^2 = s for which the terms left out by each level stay below a quarter of a rounding error.
+   !> Largest (h |omega|)^2 = s for which the terms left out by each level stay below a quarter of a
+   !> rounding error.
    !>
-   !> They are bounded degree by degree by Bernstein coefficients, on p + r <= s, the bound of (h |omega|)^2 over the whole
-   !> motion (reached where omega2 = 0). With z = max(a1 a2, a2 a3)/4, so that X + Z <= z s, an attitude error is at most
-   !> sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8); T is used to one degree less than the others, W_n = (n+1) T_n.
+   !> They are bounded degree by degree by Bernstein coefficients, on p + r <= s, the bound of (h
+   !> |omega|)^2 over the whole motion (reached where omega2 = 0). With z = max(a1 a2, a2 a3)/4, so
+   !> that X + Z <= z s, an attitude error is at most sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8); T is
+   !> used to one degree less than the others, W_n = (n+1) T_n.
    pure function reach_of(class) result(reach)
       type(body_class), intent(in) :: class
       real(dp) :: reach(series_levels)
@@ -128,7 +134,8 @@ contains
       end do
    end function reach_of
 
-   !> Largest s <= longest_step^2 with sqrt(s) sum_{n > degree} (bound(n,1) + sqrt(s) bound(n,2)) s^n <= allowed, by bisection.
+   !> Largest s <= longest_step^2 with sqrt(s) sum_{n > degree} (bound(n,1) + sqrt(s) bound(n,2))
+   !> s^n <= allowed, by bisection.
    pure real(dp) function largest(bound, degree)
       real(dp), intent(in) :: bound(max_degree, 2)
       integer, intent(in) :: degree

@@ -1,9 +1,9 @@
-!> The two series P and R that turn a body's moments into the modified moments of the Moser-Veselov map
-!> (mathematics, sections 2 and 3).
+!> The two series P and R that turn a body's moments into the modified moments of the Moser-Veselov
+!> map (mathematics, sections 2 and 3).
 !>
-!> Each is a power series in h^2 whose n-th coefficient is a homogeneous polynomial of degree n in (p, r). They come from
-!> a Taylor recursion without any division by a difference of moments, so that nearly symmetric, nearly spherical and
-!> nearly linear bodies cost no digits.
+!> Each is a power series in h^2 whose n-th coefficient is a homogeneous polynomial of degree n in
+!> (p, r). They come from a Taylor recursion without any division by a difference of moments, so
+!> that nearly symmetric, nearly spherical and nearly linear bodies cost no digits.
 module poinsot_body_series
    use poinsot_core_kinds, only: dp
    implicit none(type, external)
@@ -12,8 +12,8 @@ module poinsot_body_series
 
    integer, parameter :: max_degree = 13 !! highest power of h^2 that is tabulated
 
-   !> A truncated series in t^2: column n holds the n + 1 coefficients of its homogeneous part of degree n,
-   !> `c(i, n)` belonging to p^i r^(n-i).
+   !> A truncated series in t^2: column n holds the n + 1 coefficients of its homogeneous part of
+   !> degree n, `c(i, n)` belonging to p^i r^(n-i).
    type :: series
       real(dp) :: c(0:max_degree, 0:max_degree) = 0.0_dp
    end type series
@@ -23,9 +23,10 @@ contains
    !> P and R of one body: `p(i,j)` multiplies p^i r^j, where p and r already carry h^2.
    !> Vilmart and Hairer (2006); recursion of mathematics section 3.
    pure subroutine correction_series(a, p, r)
-      real(dp), intent(in) :: a(3)                                !! (I3-I2)/I1, (I3-I1)/I2, (I2-I1)/I3, sorted
-      real(dp), intent(out) :: p(0:max_degree, 0:max_degree)      !! coefficients of P
-      real(dp), intent(out) :: r(0:max_degree, 0:max_degree)      !! coefficients of R
+      real(dp), intent(in) :: a(3)                      !! (I3-I2)/I1, (I3-I1)/I2, (I2-I1)/I3,
+                                                        !! sorted
+      real(dp), intent(out) :: p(0:max_degree, 0:max_degree)      !! coefficients of 1 + P
+      real(dp), intent(out) :: r(0:max_degree, 0:max_degree)      !! coefficients of 1 + R
       type(series) :: f, g, k, q0, q1, q2, q3, rho, w
       integer :: n
 
@@ -44,8 +45,10 @@ contains
          call add(q1, n, 0.5_dp/(2*n + 1), product_part(q0, f, n), 0, 0)
          call add(q3, n, 0.5_dp/(2*n + 1), product_part(q0, g, n), 0, 0)
          if (n > 0) then
-            call add(q1, n, 0.5_dp/(2*n + 1), product_part(q2, g, n - 1) - product_part(q3, k, n - 1), 0, 1)
-            call add(q3, n, 0.5_dp/(2*n + 1), product_part(q1, k, n - 1) - product_part(q2, f, n - 1), 1, 0)
+            call add(q1, n, 0.5_dp/(2*n + 1), product_part(q2, g, n - 1) - product_part(q3, k, n &
+               - 1), 0, 1)
+            call add(q3, n, 0.5_dp/(2*n + 1), product_part(q1, k, n - 1) - product_part(q2, f, n &
+               - 1), 1, 0)
          end if
          call add(q2, n, 0.5_dp/(2*n + 2), &
                   product_part(q0, k, n) - product_part(q1, g, n) + product_part(q3, f, n), 0, 0)
@@ -61,7 +64,8 @@ contains
       call table(quotient(times(rho, w), g), r)
    end subroutine correction_series
 
-   !> A bound of the part of degree n on p + r = 1, p, r >= 0: the largest coefficient of its Bernstein form.
+   !> A bound of the part of degree n on p + r = 1, p, r >= 0: the largest coefficient of its
+   !> Bernstein form.
    pure real(dp) function degree_bound(c, n)
       real(dp), intent(in) :: c(0:max_degree, 0:max_degree) !! coefficients (i,j) of p^i r^j
       integer, intent(in) :: n                              !! degree
@@ -129,7 +133,7 @@ contains
       end do
    end function combination
 
-   !> From powers of t^2 = h^2/4 to powers of h^2, without the leading 1.
+   !> From powers of t^2 = h^2/4 to powers of h^2.
    pure subroutine table(x, c)
       type(series), intent(in) :: x
       real(dp), intent(out) :: c(0:max_degree, 0:max_degree)
@@ -140,7 +144,6 @@ contains
             c(i, j) = c(i, j)*0.25_dp**(i + j)
          end do
       end do
-      c(0, 0) = 0
    end subroutine table
 
    !> Coefficients by powers of both variables.

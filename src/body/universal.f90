@@ -1,8 +1,9 @@
 !> The universal series of the explicit exact step: sn^2 without a modulus.
 !>
-!> With S, C, D of mathematics section 3, T = S^2 is symmetric in X and Z, so a series in e = X + Z and f = X Z:
-!> T = sum t(i,j) e^i f^j, degree i + 2j. Because C^2 = 1 - X T, D^2 = 1 - Z T and (t S)' = C D, nothing else is needed:
-!> S C D = W = sum (i + 2j + 1) t(i,j) e^i f^j. A quarter of the work of the three series themselves.
+!> With S, C, D of mathematics section 3, T = S^2 is symmetric in X and Z, so a series in e = X + Z
+!> and f = X Z: T = sum t(i,j) e^i f^j, degree i + 2j. Because C^2 = 1 - X T, D^2 = 1 - Z T and (t
+!> S)' = C D, nothing else is needed: S C D = W = sum (i + 2j + 1) t(i,j) e^i f^j. A quarter of the
+!> work of the three series themselves.
 module poinsot_body_universal
    use poinsot_core_kinds, only: dp
    use poinsot_body_series, only: max_degree
@@ -13,7 +14,8 @@ module poinsot_body_universal
    integer, parameter :: half_degree = (max_degree - 1)/2
    real(dp), parameter :: zeros(12) = 0.0_dp
 
-   !> t(i,j): exact rationals, rounded once. Row j has the powers of e; checked against the recursion in the tests.
+   !> t(i,j): exact rationals, rounded once. Row j has the powers of e; checked against the
+   !> recursion in the tests.
    real(dp), parameter :: sine_squared(0:max_degree, 0:half_degree) = reshape([ &
       1.000000000000000000_dp, -3.333333333333333333e-1_dp, 4.444444444444444444e-2_dp, &
       -3.174603174603174603e-3_dp, 1.410934744268077601e-4_dp, -4.275559831115386671e-6_dp, &
@@ -37,7 +39,8 @@ module poinsot_body_universal
       zeros(1:8), &
       3.378582202111613876e-5_dp, -3.173006828949755319e-5_dp, 1.484596274852942401e-5_dp, &
       -4.609564227298466343e-6_dp, zeros(1:10), &
-      3.356305835943844994e-6_dp, -3.593916746848259182e-6_dp, zeros(1:12)], [max_degree + 1, half_degree + 1])
+      3.356305835943844994e-6_dp, -3.593916746848259182e-6_dp, zeros(1:12)], [max_degree + 1, &
+         half_degree + 1])
 
 contains
 

@@ -4,6 +4,7 @@
 module poinsot_free_method
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, conserve_energy
@@ -119,10 +120,10 @@ contains
       integer :: j
 
       hl = h
-      if (any(status /= poinsot_ok)) hl = merge(h, 0.0_dp, status == poinsot_ok)
+      if (any_failed(status)) hl = merge(h, 0.0_dp, status == poinsot_ok)
       if (abs(h) > far) call refuse_far(class, h, y, hl, status)
       call method%increment(class, method%terms, hl, y, q, dy, dq, status)
-      if (any(status /= poinsot_ok)) then
+      if (any_failed(status)) then
          hl = merge(h, 0.0_dp, status == poinsot_ok)
          do j = 1, 3
             dy(:, j) = merge(dy(:, j), 0.0_dp, status == poinsot_ok)

@@ -1,11 +1,14 @@
-!> The discrete Moser-Veselov map, its preprocessing to any even order, and the implicit midpoint rule.
+!> The discrete Moser-Veselov map, its preprocessing to any even order, and the implicit midpoint
+!> rule.
 !>
-!> With modified moments It the step solves e_j = (1 + |e|^2) z_j - kappa_j e_{j+1} e_{j+2}, z = (h/2) It^-1 y, for the Cayley
-!> vector e of the rotation (Vilmart 2013, Algorithm 3; Hairer and Vilmart 2006); the midpoint rule leaves 1 + |e|^2 out.
-!> 1/It = (1 + c)/I with c = (P, theta P + (1 - theta) R, R) (mathematics, section 2). Differences of modified moments are formed
-!> as sums of small terms, so that nearly linear, nearly symmetric and flat bodies lose no digits.
+!> With modified moments It the step solves e_j = (1 + |e|^2) z_j - kappa_j e_{j+1} e_{j+2}, z =
+!> (h/2) It^-1 y, for the Cayley vector e of the rotation (Vilmart 2013, Algorithm 3; Hairer and
+!> Vilmart 2006); the midpoint rule leaves 1 + |e|^2 out. 1/It = (1 + c)/I with c = (P, theta P + (1
+!> - theta) R, R) (mathematics, section 2). Differences of modified moments are formed as sums of
+!> small terms, so that nearly linear, nearly symmetric and flat bodies lose no digits.
 module poinsot_free_moser_veselov
    use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_lanes, only: largest, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
    use poinsot_body_class, only: body_class
    use poinsot_free_exact_step, only: step_sizes
@@ -14,27 +17,32 @@ module poinsot_free_moser_veselov
    private
    public :: moser_veselov_increment, midpoint_increment
 
-   real(dp), parameter :: quarter_turn = 1.5707963267948966_dp !! h |omega| beyond which there is no root |e| < 1
+   real(dp), parameter :: quarter_turn = 1.5707963267948966_dp !! h |omega| beyond which there is no
+                                                               !! root |e| < 1
 
-   !> Newton sweeps that reach rounding from the predictor: 1, 2, 3, 4, 7, for (h |omega|)^2 up to each of these bounds and
-   !> beyond. With z = h |omega|/2 the predictor is good to z^5, and a sweep squares the error: z^10, z^20, ...
+   !> Newton sweeps that reach rounding from the predictor: 1, 2, 3, 4, 7, for (h |omega|)^2 up to
+   !> each of these bounds and beyond. With z = h |omega|/2 the predictor is good to z^5, and a
+   !> sweep squares the error: z^10, z^20, ...
    real(dp), parameter :: sweep_bound(4) = [0.03_dp**2, 0.25_dp**2, 0.8_dp**2, 1.25_dp**2]
 
 contains
 
-   !> Increments of a step of the Moser-Veselov map with `terms` terms of the preprocessing series: order 2 terms + 2.
-   !> POINSOT_E_STEP for h |omega| > pi/2, POINSOT_E_CONVERGENCE if no root below 90 degrees a step is found.
+   !> Increments of a step of the Moser-Veselov map with `terms` terms of the preprocessing series:
+   !> order 2 terms + 2. POINSOT_E_STEP for h |omega| > pi/2, POINSOT_E_CONVERGENCE if no root below
+   !> 90 degrees a step is found.
    pure subroutine moser_veselov_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                           !! 0 (plain) to 11
-      real(dp), intent(in) :: h(lanes)                       !! step, either sign; 0: the lane stands still
+      real(dp), intent(in) :: h(lanes)                  !! step, either sign; 0: the lane stands
+                                                        !! still
       real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
       call cayley_increment(class, terms, 1.0_dp, h, y, q, dy, dq, status)
    end subroutine moser_veselov_increment
 
-   !> Increments of a step of the implicit midpoint rule for (y, Q): order 2. Vilmart (2013), Remark 4.
+   !> Increments of a step of the implicit midpoint rule for (y, Q): order 2. Vilmart (2013), Remark
+   !> 4.
    pure subroutine midpoint_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                           !! not used
@@ -45,8 +53,8 @@ contains
       call cayley_increment(class, 0, 0.0_dp, h, y, q, dy, dq, status)
    end subroutine midpoint_increment
 
-   !> Both maps: `stretch` is the factor of |e|^2 in alpha = 1 + stretch |e|^2. A lane that is too fast (live = 0)
-   !> is carried along at rest.
+   !> Both maps: `stretch` is the factor of |e|^2 in alpha = 1 + stretch |e|^2. A lane that is too
+   !> fast (live = 0) is carried along at rest.
    pure subroutine cayley_increment(class, terms, stretch, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms
@@ -67,12 +75,15 @@ contains
       call correction(terms, class, p, r, ps, rs)
       call coefficients(class, live, w, ps, rs, z, kappa, slip)
       call solve(stretch, p + r, z, kappa, e, found)
-      if (minval(live) < 1) where (live < 1) status = poinsot_e_step
-      if (minval(found) < 1) where (found < 1 .and. status == poinsot_ok) status = poinsot_e_convergence
+      if (smallest(live) < 1) where (live < 1) status = poinsot_e_step
+      if (smallest(found) < 1) then
+         where (found < 1 .and. status == poinsot_ok) status = poinsot_e_convergence
+      end if
       call apply(class, e, slip, y, q, dy, dq)
    end subroutine cayley_increment
 
-   !> z and kappa of the equation, and slip = 1 - It_2/It_3 for the momentum about the axis of the smallest moment.
+   !> z and kappa of the equation, and slip = 1 - It_2/It_3 for the momentum about the axis of the
+   !> smallest moment.
    pure subroutine coefficients(class, live, w, ps, rs, z, kappa, slip)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: live(lanes), w(lanes, 3), ps(lanes), rs(lanes)
@@ -83,8 +94,8 @@ contains
       !GCC$ ivdep
       do l = 1, lanes
          d = ps(l) - rs(l)
-         one_p = 1 + ps(l)
-         one_r = 1 + rs(l)
+         one_p = ps(l)
+         one_r = rs(l)
          one_c = one_r + class%theta*d
          z(l, 1) = 0.5_dp*live(l)*w(l, 1)*one_p
          z(l, 2) = 0.5_dp*live(l)*w(l, 2)*one_c
@@ -97,8 +108,9 @@ contains
       end do
    end subroutine coefficients
 
-   !> Newton's method with a number of sweeps fixed beforehand by the size of the step: it cannot spin in rounding noise.
-   !> A lane keeps its root once its own sweeps are done. `found` is 0 where the last sweep still moved, or |e| >= 1.
+   !> Newton's method with a number of sweeps fixed beforehand by the size of the step: it cannot
+   !> spin in rounding noise. A lane keeps its root once its own sweeps are done. `found` is 0 where
+   !> the last sweep still moved, or |e| >= 1.
    pure subroutine solve(stretch, size, z, kappa, e, found)
       real(dp), intent(in) :: stretch, size(lanes), z(lanes, 3), kappa(lanes, 3)
       real(dp), intent(out) :: e(lanes, 3)
@@ -106,15 +118,18 @@ contains
       real(dp) :: moved(lanes), ee, e1, e2, e3
       real(dp) :: sweeps(lanes)
       integer :: l, k
-      real(dp), parameter :: tolerance = 1e-14_dp !! of the last sweep's move squared; what is left is its square again
+      real(dp), parameter :: tolerance = 1e-14_dp !! of the last sweep's move squared; what is left
+                                                  !! is its square again
 
       !GCC$ ivdep
       do l = 1, lanes
          e1 = z(l, 1) - kappa(l, 1)*z(l, 2)*z(l, 3)
          e2 = z(l, 2) - kappa(l, 2)*z(l, 3)*z(l, 1)
          e3 = z(l, 3) - kappa(l, 3)*z(l, 1)*z(l, 2)
-         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), e1, e2, e3)
-         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), e1, e2, e3)
+         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), &
+            e1, e2, e3)
+         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), &
+            e1, e2, e3)
          e(l, 1) = e1
          e(l, 2) = e2
          e(l, 3) = e3
@@ -124,7 +139,7 @@ contains
                      + merge(1.0_dp, 0.0_dp, size(l) > sweep_bound(3)) &
                      + merge(3.0_dp, 0.0_dp, size(l) > sweep_bound(4))
       end do
-      do k = 1, nint(maxval(sweeps))
+      do k = 1, nint(largest(sweeps))
          call newton(stretch, z, kappa, merge(1.0_dp, 0.0_dp, sweeps >= k), e, moved)
       end do
       !GCC$ ivdep
@@ -195,13 +210,14 @@ contains
       end do
    end subroutine newton
 
-   !> Increments from the Cayley vector: y' = R(rho)^T y and q' = q o rho, rho = (1, e)/sqrt(1 + |e|^2); the momentum about
-   !> the axis of the smallest moment by its own small increment.
+   !> Increments from the Cayley vector: y' = R(rho)^T y and q' = q o rho, rho = (1, e)/sqrt(1 +
+   !> |e|^2); the momentum about the axis of the smallest moment by its own small increment.
    pure subroutine apply(class, e, slip, y, q, dy, dq)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: e(lanes, 3), slip(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
-      real(dp) :: e1, e2, e3, y1, y2, y3, u1, u2, u3, d2, d3, ee, k, root, half, r0, r1, r2, r3, parity
+      real(dp) :: e1, e2, e3, y1, y2, y3, u1, u2, u3, d2, d3, ee, k, root, half, r0, r1, r2, r3, &
+         parity
       integer :: l, i1, i2, i3
       i1 = class%order(1)
       i2 = class%order(2)

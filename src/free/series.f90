@@ -1,7 +1,8 @@
-!> The series of a block of bodies of one class: P and R to any degree from 1 to 11 (orders 4 to 24), and the universal
-!> T and W of the exact step.
+!> The series of a block of bodies of one class: P and R to any degree from 1 to 11 (orders 4 to
+!> 24), and the universal T and W of the exact step.
 !>
-!> Written out, one loop a degree, because only straight code keeps a bivariate Horner scheme in vector registers.
+!> Written out, one loop a degree, because only straight code keeps a bivariate Horner scheme in
+!> vector registers.
 module poinsot_free_series
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
@@ -22,17 +23,18 @@ module poinsot_free_series
 
 contains
 
-   !> P(p, r) and R(p, r) to a given degree in h^2, lane by lane. Mathematics, sections 2 and 3.
+   !> 1 + P(p, r) and 1 + R(p, r) to a given degree in h^2, lane by lane. Mathematics, sections 2
+   !> and 3.
    pure subroutine correction(degree, class, p, r, ps, rs)
       integer, intent(in) :: degree                  !! 0 (none) to 11
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: p(lanes), r(lanes)     !! h^2 p2 and h^2 r2, constants of the motion
-      real(dp), intent(out) :: ps(lanes), rs(lanes)  !! P and R
+      real(dp), intent(out) :: ps(lanes), rs(lanes)  !! 1 + P and 1 + R
       call polynomial(degree, class%p, p, r, ps)
       call polynomial(degree, class%r, p, r, rs)
    end subroutine correction
 
-   !> One bivariate polynomial without constant term: rows are Horner schemes in x, nested in powers of y.
+   !> One bivariate polynomial: rows are Horner schemes in x, nested in powers of y.
    pure subroutine polynomial(degree, c, x, y, f)
       integer, intent(in) :: degree
       real(dp), intent(in) :: c(0:max_degree, 0:max_degree), x(lanes), y(lanes)
@@ -161,11 +163,12 @@ contains
             f(l) = f(l)*y(l) + h11(c(0, 0), x(l))
          end do
       case default
-         f = 0
+         f = 1
       end select
    end subroutine polynomial
 
-   !> T to degree n - 1 and W to degree n, n = 4, 6, 8 or 10, of e = X + Z and f = X Z. See poinsot_body_universal.
+   !> T to degree n - 1 and W to degree n, n = 4, 6, 8 or 10, of e = X + Z and f = X Z. See
+   !> poinsot_body_universal.
    pure subroutine universal(degree, e, f, t, w)
       integer, intent(in) :: degree                 !! n
       real(dp), intent(in) :: e(lanes), f(lanes)    !! arguments
@@ -173,7 +176,8 @@ contains
       call symmetric_polynomials(degree, sine_squared, product_table, e, f, t, w)
    end subroutine universal
 
-   !> a to degree n - 1 and b to degree n, e of degree 1 and f of degree 2: rows nested in powers of f.
+   !> a to degree n - 1 and b to degree n, e of degree 1 and f of degree 2: rows nested in powers of
+   !> f.
    pure subroutine symmetric_polynomials(degree, a, b, e, f, t, w)
       integer, intent(in) :: degree
       real(dp), intent(in), dimension(0:max_degree, 0:half) :: a, b

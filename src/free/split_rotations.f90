@@ -1,8 +1,9 @@
 !> The two splittings of the free body into flows that are plain rotations.
 !>
-!> `three-rotations`: R3(h/2) R2(h/2) R1(h) R2(h/2) R3(h/2), R_j the flow of y_j^2/(2 I_j). `symmetric-rotation`: R(h/2) S(h) R(h/2), S a
-!> symmetric body, R what is left; the pair of axes with the smallest |1/Ia - 1/Ib| is the symmetric one, so that the
-!> method is exact for any two equal moments. Vilmart (2013), Algorithm 2 with the corrections of mathematics, section 1.
+!> `three-rotations`: R3(h/2) R2(h/2) R1(h) R2(h/2) R3(h/2), R_j the flow of y_j^2/(2 I_j).
+!> `symmetric-rotation`: R(h/2) S(h) R(h/2), S a symmetric body, R what is left; the pair of axes
+!> with the smallest |1/Ia - 1/Ib| is the symmetric one, so that the method is exact for any two
+!> equal moments. Vilmart (2013), Algorithm 2 with the corrections of mathematics, section 1.
 module poinsot_free_split_rotations
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_step
@@ -17,7 +18,8 @@ module poinsot_free_split_rotations
 
 contains
 
-   !> Increments of a step of the three-rotations splitting: order 2. POINSOT_E_STEP for h |omega| > pi/2.
+   !> Increments of a step of the three-rotations splitting: order 2. POINSOT_E_STEP for h |omega| >
+   !> pi/2.
    pure subroutine three_rotations_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                         !! not used
@@ -40,7 +42,8 @@ contains
       end do
    end subroutine three_rotations_increment
 
-   !> Increments of a step of the symmetric + rotation splitting: order 2. POINSOT_E_STEP for h |omega| > pi/2.
+   !> Increments of a step of the symmetric + rotation splitting: order 2. POINSOT_E_STEP for h
+   !> |omega| > pi/2.
    pure subroutine symmetric_rotation_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                         !! not used
@@ -66,14 +69,16 @@ contains
       call turn_about(a, half, y, q, dy, dq)
    end subroutine symmetric_rotation_increment
 
-   !> Cyclic axes (a, b, c) with the smallest |1/Ia - 1/Ib|; ties go to the pair with the smallest index of a first.
+   !> Cyclic axes (a, b, c) with the smallest |1/Ia - 1/Ib|; ties go to the pair with the smallest
+   !> index of a first.
    pure subroutine symmetric_pair(inverse, a, b, c)
       real(dp), intent(in) :: inverse(3)
       integer, intent(out) :: a, b, c
       integer :: j
       a = 1
       do j = 2, 3
-         if (abs(inverse(j) - inverse(1 + mod(j, 3))) < abs(inverse(a) - inverse(1 + mod(a, 3)))) a = j
+         if (abs(inverse(j) - inverse(1 + mod(j, 3))) < abs(inverse(a) - inverse(1 + mod(a, 3)))) &
+            a = j
       end do
       b = 1 + mod(a, 3)
       c = 1 + mod(b, 3)
@@ -93,7 +98,8 @@ contains
       end where
    end subroutine refuse_long_steps
 
-   !> Turn y + dy and q + dq about body axis j by twice the angle `half`: y clockwise, q counter-clockwise.
+   !> Turn y + dy and q + dq about body axis j by twice the angle `half`: y clockwise, q
+   !> counter-clockwise.
    pure subroutine turn_about(j, half, y, q, dy, dq)
       integer, intent(in) :: j
       real(dp), intent(in) :: half(lanes), y(lanes, 3), q(lanes, 4)

@@ -1,0 +1,43 @@
+!> Questions to all lanes of a block at once, without the early way out that keeps a compiler from
+!> using vectors.
+module poinsot_core_lanes
+   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_status, only: poinsot_ok
+   implicit none(type, external)
+   private
+   public :: largest, smallest, any_failed
+
+contains
+
+   !> The largest of all lanes, none of them negative: bits of positive numbers compare like the
+   !> numbers.
+   pure real(dp) function largest(x)
+      real(dp), intent(in) :: x(lanes)
+      integer(i8) :: m
+      integer :: l
+      m = 0
+      do l = 1, lanes
+         m = max(m, transfer(x(l), 1_i8))
+      end do
+      largest = transfer(m, 1.0_dp)
+   end function largest
+
+   !> The smallest of all lanes, none of them negative.
+   pure real(dp) function smallest(x)
+      real(dp), intent(in) :: x(lanes)
+      integer(i8) :: m
+      integer :: l
+      m = huge(m)
+      do l = 1, lanes
+         m = min(m, transfer(x(l), 1_i8))
+      end do
+      smallest = transfer(m, 1.0_dp)
+   end function smallest
+
+   !> Is there a lane that is not POINSOT_OK? Statuses are never negative.
+   pure logical function any_failed(status)
+      integer, intent(in) :: status(lanes)
+      any_failed = sum(status) /= poinsot_ok
+   end function any_failed
+
+end module poinsot_core_lanes
