@@ -21,7 +21,8 @@ module poinsot_scene_run
    private
    public :: run_scene, check_scene
 
-   real(dp), parameter :: chunk = 2e6_dp !! body-steps between two looks at the watch
+   real(dp), parameter :: first_chunk = 1e5_dp  !! body-steps before the first look at the watch
+   real(dp), parameter :: short = 0.05_dp, long = 0.4_dp !! seconds between two looks
    real(dp), parameter :: near = 1e-12_dp
 
    !> Everything a run holds.
@@ -252,14 +253,17 @@ contains
       integer(i8) :: steps, most
       real(dp) :: begun, origin
       origin = part%from - real(run%step - done, dp)*part%h
-      most = max(1_i8, int(chunk/real(body_total(scene), dp), i8))
+      most = max(1_i8, int(first_chunk/real(body_total(scene), dp), i8))
       do while (done < part%steps)
          run%stopped = watch%stop_now()
          if (run%stopped) return
          steps = min(most, part%steps - done)
          begun = wall_clock()
          call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error)
-         report%stepping = report%stepping + wall_clock() - begun
+         begun = wall_clock() - begun
+         report%stepping = report%stepping + begun
+         if (begun < short .and. steps == most) most = 2*most ! bits do not depend on where calls end
+         if (begun > long) most = max(1_i8, most/2)
          if (raised(error)) return
          done = done + steps
          run%step = run%step + steps
@@ -309,11 +313,13 @@ contains
    pure integer(i8) function kinds_of(scene)
       type(scene_settings), intent(in) :: scene
       real(dp) :: moments(3, size(scene%bodies))
+      integer(i8) :: counts(size(scene%bodies))
       integer :: i
       do i = 1, size(scene%bodies)
+         counts(i) = scene%bodies(i)%count
          moments(:, i) = scene%bodies(i)%moments
       end do
-      kinds_of = sum_of_kinds(scene%bodies%count, moments)
+      kinds_of = sum_of_kinds(counts, moments)
    end function kinds_of
 
    !> Seconds on some clock.

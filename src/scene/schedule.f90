@@ -85,7 +85,7 @@ contains
    !> Steps of the whole run, as a real: an absurd h must not overflow.
    pure real(dp) function step_total(scene) result(steps)
       type(scene_settings), intent(in) :: scene
-      steps = output_count(scene)
+      steps = max(output_count(scene) - 1, 1.0_dp)
       if (scene%h > 0) steps = max(steps, scene%t_end/scene%h)
    end function step_total
 
