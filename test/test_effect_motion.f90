@@ -1,8 +1,8 @@
-!> What theory says of the motion under each effect: conserved quantities, frequencies, exact solutions (the analytic
-!> checks the registry names).
+!> What theory says of the motion under each effect: conserved quantities, frequencies, exact
+!> solutions (the analytic checks the registry names).
 module test_effect_motion
    use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_effect_effect, only: effect_item, pair_effect
    use poinsot_effect_callback, only: user_potential, user_torque
@@ -17,7 +17,8 @@ module test_effect_motion
    public :: collect_motion
 
    real(dp), parameter :: pi = acos(-1.0_dp)
-   real(dp), parameter :: x_axis(3) = [1.0_dp, 0.0_dp, 0.0_dp], y_axis(3) = [0.0_dp, 1.0_dp, 0.0_dp], &
+   real(dp), parameter :: x_axis(3) = [1.0_dp, 0.0_dp, 0.0_dp], y_axis(3) = [0.0_dp, 1.0_dp, &
+      0.0_dp], &
       z_axis(3) = [0.0_dp, 0.0_dp, 1.0_dp], nowhere(3) = [0.0_dp, 0.0_dp, 0.0_dp]
    real(dp), parameter :: unity(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
 
@@ -72,7 +73,8 @@ contains
    subroutine test_precession(error)
       type(error_type), allocatable, intent(out) :: error
       type(bench), target :: it
-      real(dp), parameter :: i1 = 0.8_dp, i3 = 0.5_dp, mgl = 1.3_dp, th = 0.6_dp, spin = 6.0_dp, t = 3.0_dp
+      real(dp), parameter :: i1 = 0.8_dp, i3 = 0.5_dp, mgl = 1.3_dp, th = 0.6_dp, spin = 6.0_dp, &
+         t = 3.0_dp
       real(dp) :: rate, y(3), q(4), axis(3), late
       integer :: root
       do root = -1, 1, 2
@@ -98,7 +100,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(bench), target :: it
       real(dp) :: y(3), l(3), kinetic(lanes), potential(lanes), energy
-      call set_up(it, [0.8_dp, 0.8_dp, 0.5_dp], "exact", "srkn6", [gravity([0.0_dp, 0.0_dp, 1.3_dp])])
+      call set_up(it, [0.8_dp, 0.8_dp, 0.5_dp], "exact", "srkn6", [gravity([0.0_dp, 0.0_dp, &
+         1.3_dp])])
       call place(it, generic_y, generic_q)
       call it%block%energies(0.0_dp, kinetic, potential)
       energy = kinetic(1) + potential(1)
@@ -124,7 +127,8 @@ contains
       integer :: k, side
       do side = -1, 1, 2
          call set_up(it, [i1, i1, i3], "exact", "srkn4", [gravity([0.0_dp, 0.0_dp, mgl])])
-         call place(it, [0.0_dp, 0.0_dp, sqrt(4*i1*mgl)*(1 + 0.025_dp*side)], [1.0_dp, 1e-3_dp, 0.0_dp, 0.0_dp])
+         call place(it, [0.0_dp, 0.0_dp, sqrt(4*i1*mgl)*(1 + 0.025_dp*side)], [1.0_dp, 1e-3_dp, &
+            0.0_dp, 0.0_dp])
          tilt = 0
          do k = 1, 100
             call run(it, 0.0_dp, 0.05_dp, 10*k, 10)
@@ -137,8 +141,8 @@ contains
       end do
    end subroutine test_sleeping
 
-   !> Kovalevskaya's top, I1 = I2 = 2 I3, centre on axis 1. With gamma upwards, U = m g a gamma1 and c = m g a/I3 her integral is
-   !> (w1^2 - w2^2 - c g1)^2 + (2 w1 w2 - c g2)^2.
+   !> Kovalevskaya's top, I1 = I2 = 2 I3, centre on axis 1. With gamma upwards, U = m g a gamma1 and
+   !> c = m g a/I3 her integral is (w1^2 - w2^2 - c g1)^2 + (2 w1 w2 - c g2)^2.
    subroutine test_kovalevskaya(error)
       type(error_type), allocatable, intent(out) :: error
       type(bench), target :: it
@@ -168,13 +172,15 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(bench), target :: it
       call set_up(it, [0.6_dp, 1.0_dp, 0.8_dp], "exact", "srkn6", [one("field", &
-         [number_setting("dipole", [0.0_dp, 0.0_dp, 0.7_dp]), number_setting("strength", [0.0_dp, 0.0_dp, 1.9_dp])])])
+         [number_setting("dipole", [0.0_dp, 0.0_dp, 0.7_dp]), number_setting("strength", [0.0_dp, &
+         0.0_dp, 1.9_dp])])])
       call libration(it, 1, sqrt(0.7_dp*1.9_dp/0.6_dp), error)
       if (allocated(error)) return
       call libration(it, 2, sqrt(0.7_dp*1.9_dp/1.0_dp), error)
    end subroutine test_field
 
-   !> Turned by 1e-4 about axis j and let go: after a quarter, a half and a whole period at the middle, the far end, and back.
+   !> Turned by 1e-4 about axis j and let go: after a quarter, a half and a whole period at the
+   !> middle, the far end, and back.
    subroutine libration(it, j, rate, error)
       type(bench), intent(inout) :: it
       integer, intent(in) :: j
@@ -195,19 +201,22 @@ contains
          it%block%fresh = .false.
          part(k) = 2*it%block%q(1, 1 + j)/small
       end do
-      call check(error, maxval(abs(part - [0.0_dp, -1.0_dp, 1.0_dp])) < 1e-7_dp, "libration is not sqrt(k/I)")
+      call check(error, maxval(abs(part - [0.0_dp, -1.0_dp, 1.0_dp])) < 1e-7_dp, &
+         "libration is not sqrt(k/I)")
       if (allocated(error)) return
       call check(error, abs(it%block%y(1, j)) < 1e-7_dp*small*rate, "not at rest after a period")
    end subroutine libration
 
-   !> E0 cos(W t), W fast: slow libration at mu E0/(sqrt(2) I W), within 1 %, seen once per fast period.
+   !> E0 cos(W t), W fast: slow libration at mu E0/(sqrt(2) I W), within 1 %, seen once per fast
+   !> period.
    subroutine test_fast_field(error)
       type(error_type), allocatable, intent(out) :: error
       type(bench), target :: it
       real(dp), parameter :: i1 = 0.6_dp, pull = 1.2_dp, fast = 40.0_dp, small = 1e-3_dp
       real(dp) :: slow, first, last, before, now, period
       integer :: k, crossings
-      call set_up(it, [i1, i1, i1], "exact", "srkn4", [one("field", [number_setting("dipole", pull*z_axis), &
+      call set_up(it, [i1, i1, i1], "exact", "srkn4", [one("field", [number_setting("dipole", &
+         pull*z_axis), &
          number_setting("strength", z_axis), number_setting("frequency", [fast]), &
          text_setting("motion", "oscillating")])])
       call check(error, it%good, it%message)
@@ -231,42 +240,53 @@ contains
       end do
       call check(error, crossings > 4, "no slow libration")
       if (allocated(error)) return
-      call check(error, pi*(crossings - 1)/(last - first)/slow, 1.0_dp, thr=0.01_dp, message="slow rate")
+      call check(error, pi*(crossings - 1)/(last - first)/slow, 1.0_dp, thr=0.01_dp, &
+         message="slow rate")
    end subroutine test_fast_field
 
-   !> In a field that rotates with the body's own rate about a principal axis, the dipole stays along it.
+   !> In a field that rotates with the body's own rate about a principal axis, the dipole stays
+   !> along it.
    subroutine test_rotating_field(error)
       type(error_type), allocatable, intent(out) :: error
       type(bench), target :: it
       real(dp), parameter :: rate = 1.7_dp, t = 5.0_dp
       real(dp) :: direction(3)
-      call set_up(it, generic_moments_of, "exact", "srkn6", [one("field", [number_setting("dipole", x_axis), &
-         number_setting("strength", 2*x_axis), number_setting("frequency", [rate]), text_setting("motion", "rotating")])])
+      call set_up(it, generic_moments_of, "exact", "srkn6", [one("field", &
+         [number_setting("dipole", x_axis), &
+         number_setting("strength", 2*x_axis), number_setting("frequency", [rate]), &
+         text_setting("motion", "rotating")])])
       call place(it, [0.0_dp, 0.0_dp, rate*generic_moments_of(3)], unity)
       call run(it, 0.0_dp, t/500, 0, 500)
       direction = rotated(it%block%q(1, :), x_axis)
-      call check(error, norm2(direction - [cos(rate*t), sin(rate*t), 0.0_dp]) < 1e-12_dp, "left behind")
+      call check(error, norm2(direction - [cos(rate*t), sin(rate*t), 0.0_dp]) < 1e-12_dp, &
+         "left behind")
    end subroutine test_rotating_field
 
-   !> On a circular orbit, yaw along the radius, pitch normal to the orbit: pitch librates at n sqrt(3 (I_roll - I_yaw)/I_pitch).
+   !> On a circular orbit, yaw along the radius, pitch normal to the orbit: pitch librates at n
+   !> sqrt(3 (I_roll - I_yaw)/I_pitch).
    subroutine test_pitch(error)
       type(error_type), allocatable, intent(out) :: error
       type(bench), target :: it
-      real(dp), parameter :: n = 0.7_dp, yaw = 0.6_dp, roll = 0.8_dp, pitch = 1.0_dp, small = 1e-4_dp
+      real(dp), parameter :: n = 0.7_dp, yaw = 0.6_dp, roll = 0.8_dp, pitch = 1.0_dp, &
+         small = 1e-4_dp
       real(dp) :: period, offset
-      call set_up(it, [yaw, roll, pitch], "exact", "srkn6", [one("gravity_gradient", [number_setting("rate", [n])])])
+      call set_up(it, [yaw, roll, pitch], "exact", "srkn6", [one("gravity_gradient", &
+         [number_setting("rate", [n])])])
       call check(error, it%good, it%message)
       if (allocated(error)) return
       period = 2*pi/(n*sqrt(3*(roll - yaw)/pitch))
-      call place(it, [0.0_dp, 0.0_dp, pitch*n], [cos(0.5_dp*small), 0.0_dp, 0.0_dp, sin(0.5_dp*small)])
+      call place(it, [0.0_dp, 0.0_dp, pitch*n], [cos(0.5_dp*small), 0.0_dp, 0.0_dp, &
+         sin(0.5_dp*small)])
       call run(it, 0.0_dp, period/500, 0, 250)
       offset = 2*atan2(it%block%q(1, 4), it%block%q(1, 1)) - 0.5_dp*n*period
-      call check(error, modulo(offset/small + 1 + pi/small, 2*pi/small) - pi/small, 0.0_dp, thr=1e-6_dp, message="half")
+      call check(error, modulo(offset/small + 1 + pi/small, 2*pi/small) - pi/small, 0.0_dp, &
+         thr=1e-6_dp, message="half")
       if (allocated(error)) return
       it%block%fresh = .false.
       call run(it, 0.0_dp, period/500, 250, 250)
       offset = 2*atan2(it%block%q(1, 4), it%block%q(1, 1)) - n*period
-      call check(error, modulo(offset/small - 1 + pi/small, 2*pi/small) - pi/small, 0.0_dp, thr=1e-6_dp, message="whole")
+      call check(error, modulo(offset/small - 1 + pi/small, 2*pi/small) - pi/small, 0.0_dp, &
+         thr=1e-6_dp, message="whole")
    end subroutine test_pitch
 
    subroutine test_spring(error)
@@ -290,21 +310,27 @@ contains
       call place(it, generic_y, generic_q)
       call run(it, 0.0_dp, t/20, 0, 20)
       l = rotated(it%block%q(1, :), it%block%y(1, :))
-      call check(error, norm2(l - rotated(generic_q, generic_y) - t*value) < 1e-14_dp, "L0 + integral")
+      call check(error, norm2(l - rotated(generic_q, generic_y) - t*value) < 1e-14_dp, &
+         "L0 + integral")
    end subroutine test_space_torque
 
-   !> A harmonic torque in space: L = L0 + value [sin(W t + phase) - sin(phase)]/W to the order of the scheme, here 6.
+   !> A harmonic torque in space: L = L0 + value [sin(W t + phase) - sin(phase)]/W to the order of
+   !> the scheme, here 6.
    subroutine test_harmonic(error)
       type(error_type), allocatable, intent(out) :: error
       type(bench), target :: it
-      real(dp), parameter :: value(3) = [0.3_dp, -0.2_dp, 0.5_dp], t = 4.0_dp, w = 2.0_dp, phase = 0.3_dp
+      real(dp), parameter :: value(3) = [0.3_dp, -0.2_dp, 0.5_dp], t = 4.0_dp, w = 2.0_dp, &
+         phase = 0.3_dp
       real(dp) :: l(3)
-      call set_up(it, generic_moments_of, "exact", "srkn6", [one("torque", [number_setting("value", value), &
-         number_setting("frequency", [w]), number_setting("phase", [phase]), text_setting("frame", "space")])])
+      call set_up(it, generic_moments_of, "exact", "srkn6", [one("torque", &
+         [number_setting("value", value), &
+         number_setting("frequency", [w]), number_setting("phase", [phase]), &
+         text_setting("frame", "space")])])
       call place(it, generic_y, generic_q)
       call run(it, 0.0_dp, t/100, 0, 100)
       l = rotated(it%block%q(1, :), it%block%y(1, :)) - rotated(generic_q, generic_y)
-      call check(error, norm2(l - value*(sin(w*t + phase) - sin(phase))/w) < 1e-13_dp, "integral of the torque")
+      call check(error, norm2(l - value*(sin(w*t + phase) - sin(phase))/w) < 1e-13_dp, &
+         "integral of the torque")
    end subroutine test_harmonic
 
    !> A sphere: y(t) = exp(-friction t/I) turned back, exact for any step.
@@ -313,11 +339,13 @@ contains
       type(bench), target :: it
       real(dp), parameter :: t = 3.0_dp
       real(dp) :: l(3)
-      call set_up(it, [0.7_dp, 0.7_dp, 0.7_dp], "exact", "srkn6", [one("drag", [number_setting("friction", [0.4_dp])])])
+      call set_up(it, [0.7_dp, 0.7_dp, 0.7_dp], "exact", "srkn6", [one("drag", &
+         [number_setting("friction", [0.4_dp])])])
       call place(it, generic_y, generic_q)
       call run(it, 0.0_dp, t/3, 0, 3)
       l = rotated(it%block%q(1, :), it%block%y(1, :))
-      call check(error, norm2(l - exp(-0.4_dp*t/0.7_dp)*rotated(generic_q, generic_y)) < 1e-14_dp, "decay")
+      call check(error, norm2(l - exp(-0.4_dp*t/0.7_dp)*rotated(generic_q, generic_y)) &
+         < 1e-14_dp, "decay")
    end subroutine test_drag
 
    !> Energy lost over a run = integral of omega.friction omega, by Simpson's rule along the way.
@@ -327,7 +355,8 @@ contains
       real(dp), parameter :: friction(3) = [0.5_dp, 0.2_dp, 0.9_dp], h = 2e-3_dp
       real(dp) :: kinetic(lanes), potential(lanes), before, lost
       integer :: k
-      call set_up(it, generic_moments_of, "exact", "strang", [one("drag", [number_setting("friction", friction)])])
+      call set_up(it, generic_moments_of, "exact", "strang", [one("drag", &
+         [number_setting("friction", friction)])])
       call place(it, generic_y, generic_q)
       call it%block%energies(0.0_dp, kinetic, potential)
       before = kinetic(1)
@@ -396,7 +425,8 @@ contains
       end do
    end subroutine test_middle
 
-   !> Two dipoles head to tail, C = coupling mu^2: opposite tilts librate at sqrt(C/(I r^3)), equal tilts at sqrt(3 C/(I r^3)).
+   !> Two dipoles head to tail, C = coupling mu^2: opposite tilts librate at sqrt(C/(I r^3)), equal
+   !> tilts at sqrt(3 C/(I r^3)).
    subroutine test_dipoles(error)
       type(error_type), allocatable, intent(out) :: error
       type(coupled), target :: two
@@ -405,7 +435,8 @@ contains
       real(dp), parameter :: inertia = 0.6_dp, strength = 1.7_dp*0.49_dp/1.5_dp**3, small = 1e-4_dp
       real(dp) :: rate, part(2)
       integer :: mode
-      pair = one("dipoles", [number_setting("dipole", 0.7_dp*x_axis), number_setting("coupling", [1.7_dp]), &
+      pair = one("dipoles", [number_setting("dipole", 0.7_dp*x_axis), number_setting("coupling", &
+         [1.7_dp]), &
          number_setting("spacing", [1.5_dp])])
       do mode = 1, 2
          rate = sqrt(merge(1, 3, mode == 1)*strength/inertia)
@@ -414,24 +445,28 @@ contains
          two%block%q(1:2, 4) = sin(0.5_dp*small)
          two%block%q(1:2, 1) = cos(0.5_dp*small)
          if (mode == 1) two%block%q(2, 4) = -two%block%q(2, 4)
-         call run_steps(it%scheme, two, 0.0_dp, 2*pi/rate/400, 0_8, 200_8)
+         call run_steps(it%scheme, two, 0.0_dp, 2*pi/rate/400, 0_i8, 200_i8)
          part = two%block%q(1:2, 4)/(0.5_dp*small)
-         call check(error, maxval(abs(part - [-1.0_dp, merge(1.0_dp, -1.0_dp, mode == 1)])) < 1e-7_dp, "half a period")
+         call check(error, maxval(abs(part - [-1.0_dp, merge(1.0_dp, -1.0_dp, mode == 1)])) &
+            < 1e-7_dp, "half a period")
          if (allocated(error)) return
-         call run_steps(it%scheme, two, 0.0_dp, 2*pi/rate/400, 200_8, 200_8)
-         call check(error, maxval(abs(two%block%y(1:2, 3))) < 1e-6_dp*small*rate, "not at rest after a period")
+         call run_steps(it%scheme, two, 0.0_dp, 2*pi/rate/400, 200_i8, 200_i8)
+         call check(error, maxval(abs(two%block%y(1:2, 3))) < 1e-6_dp*small*rate, &
+            "not at rest after a period")
          if (allocated(error)) return
       end do
    end subroutine test_dipoles
 
-   !> Fixed places take angular momentum, but not along the line that joins two of them; energy is kept.
+   !> Fixed places take angular momentum, but not along the line that joins two of them; energy is
+   !> kept.
    subroutine test_dipole_momentum(error)
       type(error_type), allocatable, intent(out) :: error
       type(coupled), target :: two
       type(bench), target :: it
       type(effect_item), target :: pair
       real(dp) :: before(3), after(3), start, finish
-      pair = one("dipoles", [number_setting("dipole", [0.3_dp, 0.5_dp, -0.2_dp]), number_setting("spacing", [0.8_dp])])
+      pair = one("dipoles", [number_setting("dipole", [0.3_dp, 0.5_dp, -0.2_dp]), &
+         number_setting("spacing", [0.8_dp])])
       call set_up(it, generic_moments_of, "exact", "srkn6", [gravity(nowhere)])
       call pair_up(two, it, pair)
       two%block%q(1, :) = generic_q/norm2(generic_q)
@@ -439,7 +474,7 @@ contains
       two%block%y(2, :) = -generic_y(3:1:-1)
       before = momentum(two)
       start = energy(two)
-      call run_steps(it%scheme, two, 0.0_dp, 0.02_dp, 0_8, 500_8)
+      call run_steps(it%scheme, two, 0.0_dp, 0.02_dp, 0_i8, 500_i8)
       after = momentum(two)
       finish = energy(two)
       call check(error, after(1), before(1), thr=1e-13_dp, message="L along the line")
@@ -467,7 +502,8 @@ contains
    function momentum(two) result(l)
       type(coupled), intent(in) :: two
       real(dp) :: l(3)
-      l = rotated(two%block%q(1, :), two%block%y(1, :)) + rotated(two%block%q(2, :), two%block%y(2, :))
+      l = rotated(two%block%q(1, :), two%block%y(1, :)) + rotated(two%block%q(2, :), &
+         two%block%y(2, :))
    end function momentum
 
    function energy(two) result(e)
@@ -475,7 +511,8 @@ contains
       real(dp) :: e, kinetic(lanes), potential(lanes), u(lanes, 1), x(3, 2)
       call two%block%energies(0.0_dp, kinetic, potential)
       u = 0
-      call two%pair%add_energies([1], reshape(two%body, [lanes, 1]), reshape(two%block%q, [lanes, 4, 1]), x, u)
+      call two%pair%add_energies([1], reshape(two%body, [lanes, 1]), reshape(two%block%q, [lanes, &
+         4, 1]), x, u)
       e = sum(kinetic(1:2)) + sum(u)
    end function energy
 
@@ -492,7 +529,8 @@ contains
       real(dp) :: g(lanes, 3, 1), x(3, 2)
       g = 0*(t + c)
       if (.not. self%fresh) then
-         call self%pair%add_torques([1], reshape(self%body, [lanes, 1]), reshape(self%block%q, [lanes, 4, 1]), x, g)
+         call self%pair%add_torques([1], reshape(self%body, [lanes, 1]), reshape(self%block%q, &
+            [lanes, 4, 1]), x, g)
          self%g = g(:, :, 1)
          self%fresh = .true.
       end if

@@ -12,6 +12,9 @@ module poinsot_effect_dipoles
    private
    public :: dipoles, describe_dipoles, make_dipoles
 
+   ! distances between which r^3 is a normal number
+   real(dp), parameter :: nearest = 1e-100_dp, farthest = 1e90_dp
+
    !> U = -(1/2) sum_i m_i . E_i,  E_i = coupling sum_j [3 r (r.m_j)/r^2 - m_j]/r^3,  m = Q dipole
    type, extends(pair_effect) :: dipoles
       real(dp) :: coupling = 1
@@ -39,7 +42,7 @@ contains
                    &L along r kept"
       allocate (info%keys, source=[ &
                   number_key("dipole", 3, -1, "required", "dipole moment", &
-                             "dipole in the body frame: three numbers, or three per body class"), &
+                             "body frame: three numbers for all, or three per body class"), &
                   number_key("coupling", 1, 1, "1", "energy length^3/dipole^2", &
                   "C, e.g. 1/(4 pi eps0)"), &
                   number_key("positions", 3, -1, "", "length", &
@@ -70,8 +73,10 @@ contains
       call get_direction(info, settings, "axis", axis, error)
       if (raised(error)) return
       spacing = get_value(info, settings, "spacing")
-      if (.not. spacing > 0) call raise(error, poinsot_e_domain, &
-         "effect 'dipoles': key 'spacing' must be positive")
+      if (spacing < nearest .or. spacing > farthest) then
+         call raise(error, poinsot_e_domain, &
+                    "effect 'dipoles': key 'spacing' must be between 1e-100 and 1e90")
+      end if
       new%link = spacing*axis
       if (was_given(settings, "positions") .and. .not. raised(error)) then
          call get_values(info, settings, "positions", values)
@@ -92,9 +97,13 @@ contains
          return
       end if
       new%positions = reshape(values, [3, n])
+      if (maxval(abs(values)) > farthest) then
+         call raise(error, poinsot_e_domain, "effect 'dipoles': a position is beyond 1e90")
+         return
+      end if
       do i = 2, n
          do j = 1, i - 1
-            if (norm2(new%positions(:, i) - new%positions(:, j)) > 0) cycle
+            if (norm2(new%positions(:, i) - new%positions(:, j)) > nearest) cycle
             call raise(error, poinsot_e_domain, &
                "effect 'dipoles': two bodies have the same position")
             return
@@ -234,11 +243,17 @@ contains
       end if
    end function position_of
 
+   !> One dipole for all classes, or one per class; a class beyond the list has none.
    pure function dipole_of(self, number) result(d)
       class(dipoles), intent(in) :: self
       integer, intent(in) :: number
       real(dp) :: d(3)
-      d = self%dipole(:, min(number, size(self%dipole, 2)))
+      d = 0
+      if (size(self%dipole, 2) == 1) then
+         d = self%dipole(:, 1)
+      else if (number <= size(self%dipole, 2)) then
+         d = self%dipole(:, number)
+      end if
    end function dipole_of
 
    pure function repeated(b) result(v)

@@ -16,6 +16,7 @@ module poinsot_effect_drag
       real(dp) :: friction(3) = 0  !! torque per angular velocity, about each principal axis
    contains
       procedure :: apply
+      procedure :: only_forward
    end type drag
 
 contains
@@ -79,5 +80,13 @@ contains
          y(:, j) = exp(-self%friction(j)*class%inverse(j)*h)*y(:, j)
       end do
    end subroutine apply
+
+   !> What drag has taken has no safe way back: backwards it grows like an exponential.
+   pure logical function only_forward(self)
+      class(drag), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      only_forward = .true.
+   end function only_forward
 
 end module poinsot_effect_drag

@@ -4,28 +4,37 @@
 !> in the block at rest, so that it can do no harm; it is never written back.
 module poinsot_ensemble_block
    use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_lanes, only: any_failed, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_body_class, only: body_class
-   use poinsot_ensemble_bodies, only: body_view, column
-   use poinsot_ensemble_layout, only: to_native, from_native
+   use poinsot_ensemble_bodies, only: body_view
+   use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, turned, to_native, from_native
+   use poinsot_ensemble_transfer, only: arrays, look_at, copy_in, copy_out
    implicit none(type, external)
    private
-   public :: block_state, load_block, store_block
+   public :: block_state, host_arrays, open_host, load_block, store_block
 
-   !> One block of bodies.
+   !> One block of bodies. What is not asked for is not filled: `id` and `carry`.
    type :: block_state
       integer :: n = 0                    !! bodies in it; the other lanes are padding at rest
       integer :: class = 1                !! their class
-      integer :: at(lanes) = 1            !! where each stands in the caller's arrays
-      real(dp) :: y(lanes, 3) = 0         !! angular momentum, principal frame
-      real(dp) :: q(lanes, 4) = 0         !! attitude
-      real(dp) :: carry(lanes, 7) = 0     !! compensated sums
-      integer(i8) :: id(lanes) = 0        !! number for random streams
-      integer :: status(lanes) = poinsot_ok
       logical :: compensated = .false.    !! the caller keeps a carry
+      integer :: at(lanes)                !! where each stands in the caller's arrays
+      real(dp) :: y(lanes, 3)             !! angular momentum, principal frame
+      real(dp) :: q(lanes, 4)             !! attitude
+      real(dp) :: carry(lanes, 7)         !! compensated sums
+      integer(i8) :: id(lanes)            !! number for random streams
+      integer :: status(lanes)
    contains
       procedure :: refuse_values
    end type block_state
+
+   !> The caller's arrays as one call sees them.
+   type :: host_arrays
+      type(body_view) :: view
+      type(arrays) :: y, q
+      integer :: momentum = body_momentum          !! the momentum variable
+   end type host_arrays
 
    real(dp), parameter :: norm_slack = 2e-6_dp   !! of |q|^2: |q| within 1e-6 of 1
    real(dp), parameter :: fastest = 1e70_dp      !! angular velocity, in the caller's unit
@@ -35,15 +44,25 @@ module poinsot_ensemble_block
 
 contains
 
-   !> Fill a block with n bodies of one class and check them.
-   subroutine load_block(view, at, n, number, class, momentum, axes, b)
+   !> Look at the caller's arrays, once per call.
+   subroutine open_host(view, momentum, host)
       type(body_view), intent(in) :: view
+      integer, intent(in) :: momentum              !! the caller's momentum variable
+      type(host_arrays), intent(out) :: host
+      host%view = view
+      host%momentum = momentum
+      call look_at(view%y, merge(4, 3, momentum == conjugate_momentum), view%n, host%y)
+      call look_at(view%q, 4, view%n, host%q)
+   end subroutine open_host
+
+   !> Fill a block with n bodies of one class and check them.
+   subroutine load_block(host, at, n, number, class, axes, b)
+      type(host_arrays), intent(in) :: host
       integer, intent(in) :: n                     !! bodies, 1 to lanes
       integer, intent(in) :: at(n)                 !! their places
       integer, intent(in) :: number                !! their class
       type(body_class), intent(in) :: class
-      integer, intent(in) :: momentum              !! the caller's momentum variable
-      real(dp), intent(in) :: axes(4)              !! rotation from the principal frame to the caller's body frame
+      real(dp), intent(in) :: axes(4)              !! principal axes in the caller's body frame
       type(block_state), intent(inout) :: b
       real(dp) :: p(lanes, 4)
       integer :: l
@@ -51,84 +70,98 @@ contains
       b%n = n
       b%class = number
       b%at(1:n) = at
-      p = 0
-      b%q = 0
-      b%q(:, 1) = 1
-      call gather(view%y, 4, at, n, p)
-      call gather(view%q, 4, at, n, b%q)
       b%status = poinsot_ok
-      if (associated(view%id)) then
+      if (n < lanes) call rest(n + 1, lanes, b%y, b%q)
+      call copy_in(host%q, at, n, b%q)
+      if (host%momentum == body_momentum .and. .not. turned(axes)) then
+         call copy_in(host%y, at, n, b%y)
+         call refuse(3, b%y, b%q, b%status)
+      else
+         p = 0
+         call copy_in(host%y, at, n, p)
+         call refuse(4, p, b%q, b%status)
+         call to_native(host%momentum, axes, class, p, b%y, b%q)
+      end if
+      call refuse_speed(class, b)
+      if (class%sorted(1) <= 0) call refuse_axis(class, b)
+      if (associated(host%view%id)) then
          do l = 1, n
-            b%id(l) = view%id(at(l))
+            b%id(l) = host%view%id(at(l))
          end do
       else
          do l = 1, n
             b%id(l) = at(l) - 1
          end do
       end if
-      b%compensated = associated(view%carry)
-      if (b%compensated) then
-         b%carry = 0
-         do l = 1, n
-            b%carry(l, :) = view%carry(:, at(l))
-         end do
-      end if
-      call refuse(p, b%q, b%status)
-      call to_native(momentum, axes, class, p, b%y, b%q)
-      call refuse_speed(class, b)
-      if (minval(class%inverse) <= 0) call refuse_axis(class, b)
+      b%compensated = associated(host%view%carry)
+      if (.not. b%compensated) return
+      b%carry = 0
+      do l = 1, n
+         b%carry(l, :) = host%view%carry(:, at(l))
+      end do
    end subroutine load_block
 
-   !> Copy columns at the given places into the first n lanes.
-   pure subroutine gather(from, columns, at, n, into)
-      integer, intent(in) :: columns, n, at(n)
-      type(column), intent(in) :: from(columns)
-      real(dp), intent(inout) :: into(lanes, columns)
-      integer :: j, l
-      do j = 1, columns
-         if (.not. associated(from(j)%of)) cycle
-         do l = 1, n
-            into(l, j) = from(j)%of(at(l))
-         end do
+   !> Lanes first to last at rest.
+   pure subroutine rest(first, last, y, q)
+      integer, intent(in) :: first, last
+      real(dp), intent(inout) :: y(lanes, *), q(lanes, 4)
+      integer :: l
+      do l = first, last
+         y(l, 1:3) = 0
+         q(l, :) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
       end do
-   end subroutine gather
+   end subroutine rest
 
    !> Put lanes at rest whose numbers are not finite or whose quaternion is not of unit norm. Bit tests first: a
    !> comparison with a NaN would raise an exception in hosts that trap.
-   pure subroutine refuse(p, q, status)
-      real(dp), intent(inout) :: p(lanes, 4), q(lanes, 4)
+   pure subroutine refuse(columns, p, q, status)
+      integer, intent(in) :: columns
+      real(dp), intent(inout) :: p(lanes, columns), q(lanes, 4)
       integer, intent(inout) :: status(lanes)
+      integer(i8) :: worst(lanes)
       real(dp) :: good(lanes), qq
       integer :: l, j
-      good = 1
-      do j = 1, 4
-         !GCC$ ivdep
-         do l = 1, lanes
-            good(l) = merge(good(l), 0.0_dp, iand(transfer(p(l, j), 1_i8), exponent_bits) /= exponent_bits)
-            good(l) = merge(good(l), 0.0_dp, iand(transfer(q(l, j), 1_i8), exponent_bits) /= exponent_bits)
-         end do
-      end do
-      do j = 1, 4
-         !GCC$ ivdep
-         do l = 1, lanes
-            p(l, j) = merge(p(l, j), 0.0_dp, good(l) > 0)
-            q(l, j) = merge(q(l, j), merge(1.0_dp, 0.0_dp, j == 1), good(l) > 0 .and. abs(q(l, j)) < 2)
-         end do
-      end do
       !GCC$ ivdep
       do l = 1, lanes
-         qq = q(l, 1)**2 + q(l, 2)**2 + q(l, 3)**2 + q(l, 4)**2
-         good(l) = merge(good(l), 0.0_dp, abs(qq - 1) <= norm_slack)
+         worst(l) = max(magnitude(p(l, 1)), magnitude(p(l, 2)), magnitude(p(l, 3)), magnitude(q(l, 1)), &
+                        magnitude(q(l, 2)), magnitude(q(l, 3)), magnitude(q(l, 4)))
       end do
-      if (minval(good) >= 1) return
-      do l = 1, lanes
-         if (good(l) < 1) then
+      do j = 4, columns
+         worst = max(worst, magnitude(p(:, j)))
+      end do
+      if (maxval(worst) >= exponent_bits) then
+         do l = 1, lanes
+            if (worst(l) < exponent_bits) cycle
             status(l) = poinsot_e_domain
             p(l, :) = 0
-            q(l, :) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
-         end if
+            call rest(l, l, p, q)
+         end do
+      end if
+      !GCC$ ivdep
+      do l = 1, lanes
+         qq = scaled(q(l, 1))**2 + scaled(q(l, 2))**2 + scaled(q(l, 3))**2 + scaled(q(l, 4))**2
+         good(l) = merge(1.0_dp, 0.0_dp, abs(qq - 1) <= norm_slack)
+      end do
+      if (smallest(good) >= 1) return
+      do l = 1, lanes
+         if (good(l) >= 1) cycle
+         status(l) = poinsot_e_domain
+         p(l, :) = 0
+         call rest(l, l, p, q)
       end do
    end subroutine refuse
+
+   !> Bits of |x|: they compare like the numbers, and infinite and NaN are at the top.
+   elemental integer(i8) function magnitude(x)
+      real(dp), intent(in) :: x
+      magnitude = iand(transfer(x, 1_i8), huge(1_i8))
+   end function magnitude
+
+   !> x, cut to [-2, 2] so that its square cannot overflow.
+   elemental real(dp) function scaled(x)
+      real(dp), intent(in) :: x
+      scaled = max(-2.0_dp, min(2.0_dp, x))
+   end function scaled
 
    !> An angular velocity whose square would overflow is refused, by a comparison that cannot overflow itself.
    pure subroutine refuse_speed(class, b)
@@ -143,7 +176,7 @@ contains
          good(l) = merge(1.0_dp, 0.0_dp, abs(b%y(l, 1)) <= limit(1) .and. abs(b%y(l, 2)) <= limit(2) &
                          .and. abs(b%y(l, 3)) <= limit(3))
       end do
-      if (minval(good) >= 1) return
+      if (smallest(good) >= 1) return
       do l = 1, lanes
          if (good(l) >= 1) cycle
          b%status(l) = poinsot_e_domain
@@ -184,41 +217,53 @@ contains
 
    !> Write back the bodies that did not fail, and every status. `keep_momentum`: a variable that free motion does not change
    !> (space-frame momentum) is left as it is, to the bit; so is `keep_attitude` by a kick.
-   subroutine store_block(view, class, momentum, axes, keep_momentum, keep_attitude, b)
-      type(body_view), intent(in) :: view
+   subroutine store_block(host, class, axes, keep_momentum, keep_attitude, b)
+      type(host_arrays), intent(inout) :: host
       type(body_class), intent(in) :: class
-      integer, intent(in) :: momentum
       real(dp), intent(in) :: axes(4)
       logical, intent(in) :: keep_momentum, keep_attitude
       type(block_state), intent(inout) :: b
-      real(dp) :: p(lanes, 4), q(lanes, 4)
-      integer :: l, j
-      logical :: all_good
+      real(dp) :: p(lanes, 4)
+      integer :: l, n, at(lanes), from(lanes)
 
-      q = b%q
-      call from_native(momentum, axes, class, b%y, q, p)
-      all_good = all(b%status == poinsot_ok)
-      if (associated(view%status)) then
+      if (associated(host%view%status)) then
          do l = 1, b%n
-            view%status(b%at(l)) = b%status(l)
+            host%view%status(b%at(l)) = b%status(l)
          end do
       end if
-      do j = 1, 4
-         if (keep_momentum .or. .not. associated(view%y(j)%of)) cycle
-         do l = 1, b%n
-            if (all_good .or. b%status(l) == poinsot_ok) view%y(j)%of(b%at(l)) = p(l, j)
-         end do
-      end do
-      do j = 1, 4
-         if (keep_attitude) exit
-         do l = 1, b%n
-            if (all_good .or. b%status(l) == poinsot_ok) view%q(j)%of(b%at(l)) = q(l, j)
-         end do
-      end do
-      if (.not. associated(view%carry)) return
+      if (host%momentum /= body_momentum .or. turned(axes)) then
+         call from_native(host%momentum, axes, class, b%y, b%q, p)
+      else
+         p(:, 1:3) = b%y
+      end if
+      n = b%n
+      at(1:n) = b%at(1:n)
+      if (any_failed(b%status)) call close_ranks(b, p, at, from, n)
+      if (n > 0 .and. .not. keep_momentum) call copy_out(host%y, at, n, p)
+      if (n > 0 .and. .not. keep_attitude) call copy_out(host%q, at, n, b%q)
+      if (.not. b%compensated) return
       do l = 1, b%n
-         if (b%status(l) == poinsot_ok) view%carry(:, b%at(l)) = b%carry(l, :)
+         if (b%status(l) == poinsot_ok) host%view%carry(:, b%at(l)) = b%carry(l, :)
       end do
    end subroutine store_block
+
+   !> Move the lanes that did not fail to the front.
+   pure subroutine close_ranks(b, p, at, from, n)
+      type(block_state), intent(inout) :: b
+      real(dp), intent(inout) :: p(lanes, 4)
+      integer, intent(out) :: at(lanes), from(lanes), n
+      integer :: l
+      n = 0
+      at = 1
+      from = 1
+      do l = 1, b%n
+         if (b%status(l) /= poinsot_ok) cycle
+         n = n + 1
+         at(n) = b%at(l)
+         from(n) = l
+      end do
+      p(1:n, :) = p(from(1:n), :)
+      b%q(1:n, :) = b%q(from(1:n), :)
+   end subroutine close_ranks
 
 end module poinsot_ensemble_block

@@ -6,7 +6,7 @@ module poinsot_ensemble_coupled
    use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_memory, poinsot_e_method, poinsot_e_partial, &
       poinsot_e_size
    use poinsot_effect_effect, only: pair_effect
-   use poinsot_ensemble_block, only: block_state, load_block, store_block
+   use poinsot_ensemble_block, only: block_state, host_arrays, open_host, load_block, store_block
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_deal, only: hand, chunk_count, deal_chunk, next_block
    use poinsot_ensemble_layout, only: turn_to_body, from_native, body_momentum
@@ -136,6 +136,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(block_flows), allocatable :: composed(:)
       type(hand) :: h
+      type(host_arrays) :: host
       integer :: c, k, blocks, first, n, class, state
 
       system%plan => plan
@@ -168,6 +169,7 @@ contains
          call raise(error, poinsot_e_memory, "no memory for the blocks of all bodies")
          return
       end if
+      if (view%n > 0) call open_host(view, plan%momentum, host)
       k = 0
       do c = 1, chunk_count(view%n)
          call deal_chunk(view, size(plan%classes), c, h, failed)
@@ -175,7 +177,7 @@ contains
             call next_block(h, first, n, class)
             if (n == 0) exit
             k = k + 1
-            call load_station(plan, view, composed(class), h%at(first:first + n - 1), n, class, system%at(k))
+            call load_station(plan, host, composed(class), h%at(first:first + n - 1), n, class, system%at(k))
          end do
       end do
       do k = 1, size(composed)
@@ -183,18 +185,18 @@ contains
       end do
    end subroutine gather_all
 
-   subroutine load_station(plan, view, flows, places, n, class, s)
+   subroutine load_station(plan, host, flows, places, n, class, s)
       type(poinsot_plan), intent(in) :: plan
-      type(body_view), intent(in) :: view
+      type(host_arrays), intent(in) :: host
       type(block_flows), intent(in) :: flows
       integer, intent(in) :: n, class, places(n)
       type(station), intent(inout) :: s
       s%flows = flows
-      call load_block(view, places, n, class, plan%classes(class), plan%momentum, plan%axes(:, class), s%b)
+      call load_block(host, places, n, class, plan%classes(class), plan%axes(:, class), s%b)
       s%b%at(n + 1:) = 0
       s%flows%y = s%b%y
       s%flows%q = s%b%q
-      s%flows%carry = s%b%carry
+      if (s%b%compensated) s%flows%carry = s%b%carry
       s%flows%status = s%b%status
       s%flows%id = s%b%id
       s%flows%compensated = s%b%compensated
@@ -205,14 +207,17 @@ contains
       type(body_view), intent(in) :: view
       type(ensemble_flows), intent(inout) :: system
       logical, intent(inout) :: failed
+      type(host_arrays) :: host
       integer :: k
+      if (view%n == 0) return
+      call open_host(view, plan%momentum, host)
       do k = 1, size(system%at)
          associate (s => system%at(k))
             s%b%y = s%flows%y
             s%b%q = s%flows%q
             s%b%carry = s%flows%carry
             s%b%status = s%flows%status
-            call store_block(view, plan%classes(s%b%class), plan%momentum, plan%axes(:, s%b%class), .false., .false., s%b)
+            call store_block(host, plan%classes(s%b%class), plan%axes(:, s%b%class), .false., .false., s%b)
             failed = failed .or. any(s%b%status(1:s%b%n) /= poinsot_ok)
          end associate
       end do

@@ -12,8 +12,8 @@ module poinsot_ensemble_deal
    !> The bodies of one chunk in the order in which they go into blocks: class by class.
    type :: hand
       integer :: n = 0                     !! bodies in it
-      integer :: at(chunk_size) = 0        !! their places in the caller's arrays
-      integer :: class(chunk_size) = 0     !! their classes
+      integer :: at(chunk_size)            !! their places in the caller's arrays
+      integer :: class(chunk_size)         !! their classes
       integer :: done = 0                  !! how many have gone into blocks
    end type hand
 

@@ -6,7 +6,7 @@ module poinsot_ensemble_drive
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_ok, poinsot_e_partial
    use poinsot_body_class, only: body_class
-   use poinsot_ensemble_block, only: block_state, load_block, store_block
+   use poinsot_ensemble_block, only: block_state, host_arrays, open_host, load_block, store_block
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_deal, only: hand, chunk_count, deal_chunk, next_block
    !$ use omp_lib, only: omp_in_parallel, omp_get_max_threads
@@ -43,6 +43,7 @@ contains
       integer, intent(in) :: threads                !! 0: as OpenMP says
       class(block_job), intent(inout) :: job
       class(block_job), allocatable :: mine          !! a thread's own copy: jobs have work space
+      type(host_arrays) :: host
       integer :: k, chunks, team
       logical :: failed
 
@@ -51,17 +52,22 @@ contains
       !$ if (.not. omp_in_parallel()) team = merge(threads, omp_get_max_threads(), threads > 0)
       team = max(1, min(team, chunks))
       failed = .false.
+      if (view%n == 0) then
+         status = poinsot_ok
+         return
+      end if
+      call open_host(view, momentum, host)
       if (team == 1) then
          do k = 1, chunks
-            call run_chunk(view, classes, axes, momentum, job, k, failed)
+            call run_chunk(host, classes, axes, job, k, failed)
          end do
       else
          !$omp parallel num_threads(team) default(none) reduction(.or.: failed) &
-         !$omp shared(view, classes, axes, momentum, job, chunks) private(k, mine)
+         !$omp shared(classes, axes, job, chunks) firstprivate(host) private(k, mine)
          allocate (mine, source=job)
          !$omp do schedule(static)
          do k = 1, chunks
-            call run_chunk(view, classes, axes, momentum, mine, k, failed)
+            call run_chunk(host, classes, axes, mine, k, failed)
          end do
          !$omp end do
          deallocate (mine)
@@ -71,28 +77,27 @@ contains
    end function for_each_block
 
    !> All blocks of one chunk.
-   subroutine run_chunk(view, classes, axes, momentum, job, k, failed)
-      type(body_view), intent(in) :: view
+   subroutine run_chunk(host, classes, axes, job, k, failed)
+      type(host_arrays), intent(inout) :: host
       type(body_class), intent(in) :: classes(:)
       real(dp), intent(in) :: axes(:, :)
-      integer, intent(in) :: momentum, k
+      integer, intent(in) :: k
       class(block_job), intent(inout) :: job
       logical, intent(inout) :: failed
       type(hand) :: h
       type(block_state) :: b
       integer :: first, n, c
 
-      call deal_chunk(view, size(classes), k, h, failed)
+      call deal_chunk(host%view, size(classes), k, h, failed)
       do
          call next_block(h, first, n, c)
          if (n == 0) exit
-         call load_block(view, h%at(first:first + n - 1), n, c, classes(c), momentum, axes(:, c), b)
+         call load_block(host, h%at(first:first + n - 1), n, c, classes(c), axes(:, c), b)
          call job%run(classes(c), b)
          if (job%read_only) then
-            call store_status(view, b)
+            call store_status(host%view, b)
          else
-            call store_block(view, classes(c), momentum, axes(:, c), job%keep_momentum, &
-                             job%keep_attitude, b)
+            call store_block(host, classes(c), axes(:, c), job%keep_momentum, job%keep_attitude, b)
          end if
          failed = failed .or. any(b%status(1:n) /= poinsot_ok)
       end do

@@ -7,7 +7,7 @@ module poinsot_ensemble_layout
    implicit none(type, external)
    private
    public :: momentum_names, body_momentum, space_momentum, body_velocity, space_velocity, conjugate_momentum
-   public :: layout_names, layout_momentum, no_axes, to_native, from_native, turn_to_body
+   public :: layout_names, layout_momentum, no_axes, turned, to_native, from_native, turn_to_body
 
    integer, parameter :: body_momentum = 1      !! angular momentum, body frame
    integer, parameter :: space_momentum = 2     !! angular momentum, space frame (LAMMPS)
@@ -35,9 +35,6 @@ contains
       real(dp), intent(inout) :: q(lanes, 4)
       real(dp) :: s(lanes, 4)
       integer :: l, j
-      logical :: turned
-
-      turned = any(abs(axes(2:4)) > 0)
       select case (momentum)
       case (space_momentum, space_velocity)
          y = p(:, 1:3)
@@ -52,7 +49,7 @@ contains
       case default
          y = p(:, 1:3)
       end select
-      if (turned) then
+      if (turned(axes)) then
          s = spread(axes, 1, lanes)
          call rotate_back(s, y)
          call times(q, axes)
@@ -81,7 +78,7 @@ contains
             v(:, j) = v(:, j)*class%inverse(j)
          end do
       end if
-      if (any(abs(axes(2:4)) > 0)) then
+      if (turned(axes)) then
          back = [axes(1), -axes(2:4)]
          s = spread(back, 1, lanes)
          call rotate_back(s, v)
@@ -107,6 +104,12 @@ contains
       end select
    end subroutine from_native
 
+   !> Is the caller's body frame another than the principal frame?
+   pure logical function turned(axes)
+      real(dp), intent(in) :: axes(4)
+      turned = any(abs(axes(2:4)) > 0)
+   end function turned
+
    !> A vector of the host, in space or in the caller's body frame, turned to the principal frame.
    pure subroutine turn_to_body(space, axes, q, v)
       logical, intent(in) :: space               !! it is in the space frame
@@ -115,7 +118,7 @@ contains
       real(dp), intent(inout) :: v(lanes, 3)
       if (space) then
          call rotate_back(q, v)
-      else if (any(abs(axes(2:4)) > 0)) then
+      else if (turned(axes)) then
          call rotate_back(spread(axes, 1, lanes), v)
       end if
    end subroutine turn_to_body

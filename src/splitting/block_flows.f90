@@ -4,6 +4,7 @@
 module poinsot_splitting_block_flows
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_method
+   use poinsot_core_lanes, only: any_failed
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, add_kick, add_kick_compensated
@@ -201,7 +202,7 @@ contains
       integer, intent(in) :: status(lanes)
       real(dp), intent(inout) :: d(:, :)
       integer :: j
-      if (all(status == poinsot_ok)) return
+      if (.not. any_failed(status)) return
       do j = 1, size(d, 2)
          where (status /= poinsot_ok) d(:, j) = 0
       end do

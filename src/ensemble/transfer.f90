@@ -1,0 +1,182 @@
+!> Copying between the caller's arrays and blocks, as fast as their layout allows: rows and component arrays in vector code,
+!> whatever else by strides. Which it is, is found out once per call.
+module poinsot_ensemble_transfer
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_intptr_t, c_loc, c_ptr
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_ensemble_bodies, only: column
+   implicit none(type, external)
+   private
+   public :: arrays, look_at, copy_in, copy_out
+
+   integer, parameter :: bytes = storage_size(1.0_dp)/8
+
+   !> Some columns of the caller, and what they turned out to be.
+   type :: arrays
+      integer :: columns = 0                                      !! how many there are, 3 or 4
+      type(column) :: any(4)                                      !! them, with their strides
+      real(dp), pointer, contiguous :: rows(:, :) => null()       !! (columns, n), if that is what they are
+   end type arrays
+
+contains
+
+   !> Find out how n bodies lie in memory.
+   subroutine look_at(from, columns, n, a)
+      type(column), intent(in) :: from(:)
+      integer, intent(in) :: columns, n
+      type(arrays), intent(out) :: a
+      type(c_ptr) :: base
+      integer(c_intptr_t) :: first
+      integer :: j
+      logical :: are_rows
+      a%columns = columns
+      a%any(1:columns) = from(1:columns)
+      if (n < 1) return
+      first = address(from(1)%of(1))
+      are_rows = .true.
+      do j = 1, columns
+         are_rows = are_rows .and. address(from(j)%of(1)) == first + (j - 1)*bytes
+         if (n > 1) are_rows = are_rows .and. address(from(j)%of(2)) - address(from(j)%of(1)) == columns*bytes
+      end do
+      if (.not. are_rows) return
+      base = c_loc(from(1)%of(1))
+      call c_f_pointer(base, a%rows, [columns, n])
+   end subroutine look_at
+
+   !> The address of a number.
+   integer(c_intptr_t) function address(x)
+      real(dp), intent(in), target :: x
+      address = transfer(c_loc(x), 0_c_intptr_t)
+   end function address
+
+   !> Bodies at the given places into the first n lanes.
+   subroutine copy_in(a, at, n, into)
+      type(arrays), intent(in) :: a
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(inout) :: into(lanes, *)
+      integer :: j, l
+      if (.not. associated(a%rows)) then
+         do j = 1, a%columns
+            call column_in(a%any(j)%of, at, n, into(1, j))
+         end do
+      else if (n == lanes .and. at(n) - at(1) == lanes - 1) then
+         if (a%columns == 3) then
+            call rows_in_3(a%rows(:, at(1):at(n)), into)
+         else
+            call rows_in_4(a%rows(:, at(1):at(n)), into)
+         end if
+      else
+         do j = 1, a%columns
+            do l = 1, n
+               into(l, j) = a%rows(j, at(l))
+            end do
+         end do
+      end if
+   end subroutine copy_in
+
+   !> The first n lanes to the given places.
+   subroutine copy_out(a, at, n, from)
+      type(arrays), intent(inout) :: a
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(in) :: from(lanes, *)
+      integer :: j, l
+      if (.not. associated(a%rows)) then
+         do j = 1, a%columns
+            call column_out(a%any(j)%of, at, n, from(1, j))
+         end do
+      else if (n == lanes .and. at(n) - at(1) == lanes - 1) then
+         if (a%columns == 3) then
+            call rows_out_3(from, a%rows(:, at(1):at(n)))
+         else
+            call rows_out_4(from, a%rows(:, at(1):at(n)))
+         end if
+      else
+         do l = 1, n
+            do j = 1, a%columns
+               a%rows(j, at(l)) = from(l, j)
+            end do
+         end do
+      end if
+   end subroutine copy_out
+
+   pure subroutine rows_in_3(rows, into)
+      real(dp), intent(in) :: rows(3, lanes)
+      real(dp), intent(inout) :: into(lanes, 3)
+      integer :: l
+      do l = 1, lanes
+         into(l, 1) = rows(1, l)
+         into(l, 2) = rows(2, l)
+         into(l, 3) = rows(3, l)
+      end do
+   end subroutine rows_in_3
+
+   pure subroutine rows_in_4(rows, into)
+      real(dp), intent(in) :: rows(4, lanes)
+      real(dp), intent(inout) :: into(lanes, 4)
+      integer :: l
+      do l = 1, lanes
+         into(l, 1) = rows(1, l)
+         into(l, 2) = rows(2, l)
+         into(l, 3) = rows(3, l)
+         into(l, 4) = rows(4, l)
+      end do
+   end subroutine rows_in_4
+
+   pure subroutine rows_out_3(from, rows)
+      real(dp), intent(in) :: from(lanes, 3)
+      real(dp), intent(inout) :: rows(3, lanes)
+      integer :: l
+      do l = 1, lanes
+         rows(1, l) = from(l, 1)
+         rows(2, l) = from(l, 2)
+         rows(3, l) = from(l, 3)
+      end do
+   end subroutine rows_out_3
+
+   pure subroutine rows_out_4(from, rows)
+      real(dp), intent(in) :: from(lanes, 4)
+      real(dp), intent(inout) :: rows(4, lanes)
+      integer :: l
+      do l = 1, lanes
+         rows(1, l) = from(l, 1)
+         rows(2, l) = from(l, 2)
+         rows(3, l) = from(l, 3)
+         rows(4, l) = from(l, 4)
+      end do
+   end subroutine rows_out_4
+
+   !> One strided column; the compiler makes a version of its own for stride 1.
+   pure subroutine column_in(from, at, n, into)
+      real(dp), intent(in) :: from(:)
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(inout) :: into(lanes)
+      integer :: l, first
+      first = at(1) - 1
+      if (n == lanes .and. at(n) - at(1) == lanes - 1) then
+         do l = 1, lanes
+            into(l) = from(first + l)
+         end do
+      else
+         do l = 1, n
+            into(l) = from(at(l))
+         end do
+      end if
+   end subroutine column_in
+
+   pure subroutine column_out(to, at, n, from)
+      real(dp), intent(inout) :: to(:)
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(in) :: from(lanes)
+      integer :: l, first
+      first = at(1) - 1
+      if (n == lanes .and. at(n) - at(1) == lanes - 1) then
+         do l = 1, lanes
+            to(first + l) = from(l)
+         end do
+      else
+         do l = 1, n
+            to(at(l)) = from(l)
+         end do
+      end if
+   end subroutine column_out
+
+end module poinsot_ensemble_transfer
