@@ -9,7 +9,8 @@ module app_find_scene
    character(*), parameter :: ending = ".nml"
 
    !> The scenes that are shipped, in the order of the list.
-   character(16), parameter :: shipped_scenes(11) = [character(16) :: "free-body", "tennis-racket", &
+   character(16), parameter :: shipped_scenes(11) = [character(16) :: "free-body", &
+      "tennis-racket", &
       "heavy-top", "sleeping-top", "kovalevskaya", "satellite", "rotating-field", "dipole-chain", &
       "gyrostat", "thermostat", "large-ensemble"]
 

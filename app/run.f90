@@ -72,7 +72,10 @@ contains
          name = words%at(i)%text
          if (.not. is_option(name)) then
             good = len(options%scene) == 0
-            if (.not. good) call complain("run: one scene at a time; '" // name // "' is a second one")
+            if (.not. good) then
+               call complain("run: one scene at a time; '" // name // &
+                  "' is a second one")
+            end if
             options%scene = name
             cycle
          end if
@@ -127,8 +130,10 @@ contains
       if (size(options) == 0) then
          call complain(command // ": unknown option '" // name // "'; there is only --help")
       else
-         call complain(command // ": unknown option '" // name // "'; the nearest known one is " // &
-                       nearest_name(name(:min(len(name), 60)), options) // " (poinsot " // command // &
+         call complain(command // ": unknown option '" // name // &
+            "'; the nearest known one is " // &
+                       nearest_name(name(:min(len(name), 60)), options) // " (poinsot " // &
+                          command // &
                        " --help shows all)")
       end if
    end subroutine unknown_option
@@ -145,8 +150,10 @@ contains
       integer :: i
       call find_scene(name, file, good)
       if (.not. good) then
-         call complain("there is no file '" // name // "' and no scene of that name; the nearest " // &
-                       "shipped one is '" // nearest_name(name(:min(len(name), 60)), shipped_scenes) // &
+         call complain("there is no file '" // name // &
+            "' and no scene of that name; the nearest " // &
+                       "shipped one is '" // nearest_name(name(:min(len(name), 60)), &
+                          shipped_scenes) // &
                        "' (poinsot scenes lists them)")
          return
       end if
@@ -179,7 +186,8 @@ contains
       rows = rows*output_count(scene)
       call say(scene%file // ": the scene is right")
       call say("   bodies   " // text_of(body_total(scene)))
-      call say("   steps    " // text_of(nint(step_total(scene), i8)) // " of '" // scene%method // "'")
+      call say("   steps    " // text_of(nint(step_total(scene), i8)) // " of '" // &
+         scene%method // "'")
       call say("   rows     " // text_of(nint(rows, i8)) // " of trajectory, about " // &
                text_of(nint(rows*240/1e6_dp, i8)) // " MB")
    end subroutine check_only
@@ -205,7 +213,8 @@ contains
          return
       end if
       if (report%state == "interrupted") then
-         call complain("interrupted at t = " // text_of(report%t) // "; continue with --set scene.from=" // &
+         call complain("interrupted at t = " // text_of(report%t) // &
+            "; continue with --set scene.from=" // &
                        out // "/" // scene%output%restart)
          code = exit_runtime
          return
@@ -251,7 +260,8 @@ contains
                                    script // ".log 2>&1 && rm -f " // script // ".log", &
                                    exitstat=state, cmdstat=code)
          if (state /= 0 .or. code /= 0) then
-            call complain("gnuplot failed on " // script // ".gp; see " // script // ".log beside it")
+            call complain("gnuplot failed on " // script // ".gp; see " // script // &
+               ".log beside it")
          else if (.not. quiet) then
             call say("picture   " // trim(names(i)) // ".svg, " // trim(names(i)) // ".png")
          end if

@@ -39,7 +39,9 @@ contains
          case ("--")
             cycle
          case ("-m")
-            if (.not. any(one(:min(7, len(one))) == ["-march=", "-mtune=", "-mcpu= ", "-mprefe"])) cycle
+            if (.not. any(one(:min(6, len(one))) == ["-march", "-mtune", "-mcpu=", "-mpref"])) cycle
+         case default
+            continue
          end select
          if (index(one, "-fpre-include") == 1 .or. index(short // " ", " " // one // " ") > 0) cycle
          short = short // " " // one

@@ -101,8 +101,10 @@ contains
 
    subroutine test_numbers(error)
       type(error_type), allocatable, intent(out) :: error
-      real(dp), parameter :: values(12) = [0.1_dp, 1/3.0_dp, -0.8_dp, 4.205_dp, 1e-46_dp, 1e150_dp, &
-                                           1e15_dp, 123456789012345680.0_dp, tiny(1.0_dp), 0.0_dp, 1e16_dp, -1e-5_dp]
+      real(dp), parameter :: values(12) = [0.1_dp, 1/3.0_dp, -0.8_dp, 4.205_dp, 1e-46_dp, &
+         1e150_dp, &
+                                           1e15_dp, 123456789012345680.0_dp, tiny(1.0_dp), &
+                                              0.0_dp, 1e16_dp, -1e-5_dp]
       character(32) :: text
       real(dp) :: back
       integer :: i
@@ -124,7 +126,8 @@ contains
       type(scene_source) :: source
       type(poinsot_error) :: failure
       call scan_source("! c'&mment" // nl // "&A x = 3*0.5, ,1d2 -.5e+1" // nl // &
-                       "  S='it''s', ""two"" t(2)=.TRUE. F ! / &b" // nl // " N = 2*, 7 &END" // nl // &
+                       "  S='it''s', ""two"" t(2)=.TRUE. F ! / &b" // nl // " N = 2*, 7 &END" // &
+                          nl // &
                        "&b/", "v", source, failure)
       call check(error,.not. raised(failure), "refused")
       if (allocated(error)) return
@@ -135,14 +138,17 @@ contains
          if (allocated(error)) return
          call check(error, e(1)%count == 4 .and. e(1)%values(1)%repeats == 3 .and. &
                     e(1)%values(2)%kind == value_null .and. &
-                    abs(e(1)%values(3)%number - 100) <= 0 .and. abs(e(1)%values(4)%number + 5) <= 0, "x")
+                    abs(e(1)%values(3)%number - 100) <= 0 .and. abs(e(1)%values(4)%number + &
+                       5) <= 0, "x")
          if (allocated(error)) return
          call check(error, e(2)%values(1)%text // e(2)%values(2)%text, "it'stwo")
          if (allocated(error)) return
          call check(error, e(3)%first == 2 .and. e(3)%values(1)%kind == value_logical .and. &
-                    e(3)%values(1)%flag .and. .not. e(3)%values(2)%flag .and. e(3)%line == 3, "t(2)")
+                    e(3)%values(1)%flag .and. .not. e(3)%values(2)%flag .and. e(3)%line == 3, &
+                       "t(2)")
          if (allocated(error)) return
-         call check(error, e(4)%values(1)%kind == value_null .and. e(4)%values(1)%repeats == 2 .and. &
+         call check(error, e(4)%values(1)%kind == value_null .and. &
+            e(4)%values(1)%repeats == 2 .and. &
                     e(4)%values(2)%kind == value_number, "n")
       end associate
    end subroutine test_values
@@ -157,7 +163,8 @@ contains
       integer :: i
       do i = 1, 3
          e = trim(ends(i))
-         call scan_source(char(239) // char(187) // char(191) // "! " // char(195) // char(169) // e // &
+         call scan_source(char(239) // char(187) // char(191) // "! " // char(195) // &
+            char(169) // e // &
                           e // "&a" // e // "x=1" // e // "/" // e, "v", source, failure)
          call check(error,.not. raised(failure), "refused")
          if (allocated(error)) return
@@ -190,7 +197,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       call refuse_all([refusal("", "holds no group"), refusal("! only", "holds no group"), &
                        refusal("&", "name of a group"), refusal("&scene", "not closed"), &
-                       refusal("&scene t_end=1", "not closed"), refusal("x=1", "outside of a group"), &
+                       refusal("&scene t_end=1", "not closed"), refusal("x=1", &
+                          "outside of a group"), &
                        refusal("&scene t_end=1 &bodies /", "closing / missing"), &
                        refusal("&scene t_end 1 /", "not followed by ="), &
                        refusal("&scene = 1 /", "where a key is expected"), &
@@ -234,7 +242,8 @@ contains
       call refuse_all([refusal("&sceen /", "test.nml:3: unknown group ""&sceen""; the nearest"), &
                        refusal("&gravty /", """&gravity"""), &
                        refusal("&scene t_end=1 /", "a second &scene, the first is in line 1"), &
-                       refusal("&output every=1 fromat='csv' /", "unknown key ""fromat""; the near"), &
+                       refusal("&output every=1 fromat='csv' /", &
+                          "unknown key ""fromat""; the near"), &
                        refusal("&output every=1 fromat='csv' /", """format"""), &
                        refusal("&output every=1 every=2 /", "every is given twice"), &
                        refusal("&output every='1' /", "takes numbers"), &
@@ -261,13 +270,15 @@ contains
    !> Values that no run can have.
    subroutine test_value_refusals(error)
       type(error_type), allocatable, intent(out) :: error
-      call refuse_all([refusal("t_end=0 /", "must be positive"), refusal("t_end=1 h=0 /", "must be pos"), &
+      call refuse_all([refusal("t_end=0 /", "must be positive"), refusal("t_end=1 h=0 /", &
+         "must be pos"), &
                        refusal("t_end=1 h=-1 /", "must be positive"), &
                        refusal("t_end=1 h=1e-16 /", "more than 1e15 steps"), &
                        refusal("t_end=1 h=1e-300 /", "more than 1e15 steps"), &
                        refusal("h=1 /", """t_end"" is required"), &
                        refusal("t_end=1 method='exat' /", "nearest known one is ""exact"""), &
-                       refusal("t_end=1 splitting='strange' /", "nearest known one is ""strang"""), &
+                       refusal("t_end=1 splitting='strange' /", &
+                          "nearest known one is ""strang"""), &
                        refusal("t_end=1 tol=2 /", "not from 1e-15 to 1"), &
                        refusal("t_end=1 seed=0.5 /", "not an integer"), &
                        refusal("t_end=1 threads=-1 /", "not an integer"), &
@@ -277,8 +288,10 @@ contains
       call refuse_all([refusal("/", "moments are missing"), &
                        refusal("moments=1,1,1 shape='box' /", "one of them only"), &
                        refusal("moments=1,1,1 mass=2 /", "shape is missing"), &
-                       refusal("moments=1,1,-1 /", "negative"), refusal("moments=1,1,3 /", "exceeds"), &
-                       refusal("moments=3*0 /", "refused"), refusal("shape='bix' size=1 /", """box"""), &
+                       refusal("moments=1,1,-1 /", "negative"), refusal("moments=1,1,3 /", &
+                          "exceeds"), &
+                       refusal("moments=3*0 /", "refused"), refusal("shape='bix' size=1 /", &
+                          """box"""), &
                        refusal("tensor=1,2,3,4,5,6,7,8,9 /", "not symmetric"), &
                        refusal("moments=1,1,1 q=4*0 /", "is zero"), &
                        refusal("moments=1,1,1 q=1,0,1,0 /", "0.7071067811865475"), &
@@ -300,12 +313,14 @@ contains
       character(*), parameter :: bad(6) = [character(24) :: "h=1", "scene.h", "scene.=1", ".h=1", &
                                            "bodies.count=2", "bodies(3).count=2"]
       integer :: i
-      call load("sleeping-top", "scene.method=dmv8;bodies(2).y=1,,3;SCENE.H = 0.25;output.every=2*", &
+      call load("sleeping-top", &
+         "scene.method=dmv8;bodies(2).y=1,,3;SCENE.H = 0.25;output.every=2*", &
                 scene, failure)
       call check(error, raised(failure), "every without a number taken")
       if (allocated(error)) return
       call clear(failure)
-      call load("sleeping-top", "scene.method=dmv8;bodies(2).y=1,2,3;SCENE.H = 0.25", scene, failure)
+      call load("sleeping-top", "scene.method=dmv8;bodies(2).y=1,2,3;SCENE.H = 0.25", scene, &
+         failure)
       call check(error,.not. raised(failure), "refused")
       if (allocated(error)) return
       call check(error, scene%method == "dmv8" .and. abs(scene%h - 0.25_dp) <= 0 .and. &
@@ -332,17 +347,22 @@ contains
       integer :: i
       integer(i8) :: k
       do i = 1, size(texts)
-         call make("&scene t_end=1 h=0.01 /" // good_body // "&output " // texts(i) // "/", scene, failure)
+         call make("&scene t_end=1 h=0.01 /" // good_body // "&output " // texts(i) // "/", &
+            scene, failure)
          call check(error,.not. raised(failure), "refused")
          if (allocated(error)) return
          t = 0
          do k = 1, piece_count(scene)
             part = get_piece(scene, k)
-            call check(error, abs(part%from - t) <= 0 .and. part%to > part%from .and. part%steps > 0 &
+            call check(error, abs(part%from - t) <= 0 .and. part%to > part%from .and. &
+               part%steps > 0 &
                        .and. part%h <= 0.01_dp*(1 + 1e-9_dp) .and. &
                        abs(part%steps*part%h - (part%to - part%from)) <= 1e-12_dp, "piece")
             if (allocated(error)) return
-            if (i == 1) call check(error, transfer(part%h, 0_i8) == transfer(0.01_dp, 0_i8), "h itself")
+            if (i == 1) then
+               call check(error, transfer(part%h, 0_i8) == transfer(0.01_dp, 0_i8), &
+                  "h itself")
+            end if
             if (allocated(error)) return
             t = part%to
          end do
@@ -432,7 +452,8 @@ contains
 
    subroutine test_csv_row(error)
       type(error_type), allocatable, intent(out) :: error
-      real(dp), parameter :: y(3) = [-0.8_dp, 1/3.0_dp, 1e-46_dp], q(4) = [1.0_dp, 0.0_dp, -1e150_dp, 0.1_dp]
+      real(dp), parameter :: y(3) = [-0.8_dp, 1/3.0_dp, 1e-46_dp], q(4) = [1.0_dp, 0.0_dp, &
+         -1e150_dp, 0.1_dp]
       character(:), allocatable :: row
       real(dp) :: back(12)
       row = csv_row("0.1", 7_i8, y, q, 2.5_dp, -0.5_dp)
@@ -471,7 +492,8 @@ contains
    !> Published data 1: the review's figure 1, to the digits.
    subroutine test_published_free_body(error)
       type(error_type), allocatable, intent(out) :: error
-      real(dp), parameter :: y_end(3) = [0.0545936805170048_dp, -0.5930307093190378_dp, -0.8033268997439126_dp]
+      real(dp), parameter :: y_end(3) = [0.0545936805170048_dp, -0.5930307093190378_dp, &
+         -0.8033268997439126_dp]
       real(dp), parameter :: q_end(4) = [-0.7620456033094549_dp, -0.5769991038241422_dp, &
                                          -0.0272197283757480_dp, 0.2926048855539088_dp]
       type(scene_settings) :: scene
@@ -488,7 +510,8 @@ contains
    !> Published data 3: the heavy top.
    subroutine test_published_top(error)
       type(error_type), allocatable, intent(out) :: error
-      real(dp), parameter :: y_end(3) = [1.922573381663007_dp, 0.7720232344670848_dp, -0.2011054792035490_dp]
+      real(dp), parameter :: y_end(3) = [1.922573381663007_dp, 0.7720232344670848_dp, &
+         -0.2011054792035490_dp]
       real(dp), parameter :: q_end(4) = [0.9257399890934638_dp, -0.3514906679727545_dp, &
                                          0.1021838760186523_dp, -0.0949644059798463_dp]
       type(scene_settings) :: scene
@@ -502,8 +525,8 @@ contains
                  attitude_distance(q(:, 1), q_end) < 5e-14_dp, "not the published end")
    end subroutine test_published_top
 
-   !> The heavy top given by a tensor in axes turned about the body's axis 3 by acos(0.6): the same motion,
-   !> momentum and attitude in those axes.
+   !> The heavy top given by a tensor in axes turned about the body's axis 3 by acos(0.6): the same
+   !> motion, momentum and attitude in those axes.
    subroutine test_tensor_frame(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: c = 0.6_dp, s = 0.8_dp, y_end(3) = &
@@ -513,11 +536,14 @@ contains
       type(poinsot_error) :: failure
       real(dp), allocatable :: y(:, :), q(:, :)
       ! given = A principal, A = [c -s; s c]; tensor = A diag(.6, .8, 1) A^T; y0 = A (1.8, .4, -.9);
-      ! the attitude of the given frame is Q A^T; centre (0.3, 0, 1) of the principal frame for a test
+      ! the attitude of the given frame is Q A^T; centre (0.3, 0, 1) of the principal frame for a
+      ! test
       call make("&scene t_end=10 h=0.02 /&bodies tensor=" // &
                 text_of(0.6_dp*c*c + 0.8_dp*s*s) // "," // text_of(-0.2_dp*c*s) // ",0," // &
-                text_of(-0.2_dp*c*s) // "," // text_of(0.6_dp*s*s + 0.8_dp*c*c) // ",0,0,0,1" // nl // &
-                "y=" // text_of(1.8_dp*c - 0.4_dp*s) // "," // text_of(1.8_dp*s + 0.4_dp*c) // ",-0.9" // nl // &
+                text_of(-0.2_dp*c*s) // "," // text_of(0.6_dp*s*s + 0.8_dp*c*c) // ",0,0,0,1" // &
+                   nl // &
+                "y=" // text_of(1.8_dp*c - 0.4_dp*s) // "," // text_of(1.8_dp*s + 0.4_dp*c) // &
+                   ",-0.9" // nl // &
                 "q=" // text_of(sqrt(0.8_dp)) // ",0,0," // text_of(-sqrt(0.2_dp)) // " /" // &
                 "&gravity centre=0,0,1 /&output every=1 /", scene, failure)
       if (.not. raised(failure)) call run_to(scene, "tensor", y, q, failure)
@@ -534,7 +560,8 @@ contains
       if (allocated(error)) return
       call cut_and_compare("rotating-field", "output.every=0.13", "scene.t_end=26", error)
       if (allocated(error)) return
-      call cut_and_compare("thermostat", "bodies.count=70;output.sample=0;output.restart=restart.txt", &
+      call cut_and_compare("thermostat", &
+         "bodies.count=70;output.sample=0;output.restart=restart.txt", &
                            "scene.t_end=7.5", error)
    end subroutine test_restart
 
@@ -548,8 +575,10 @@ contains
       if (.not. raised(failure)) call run_to(scene, "whole", y, q, failure)
       if (.not. raised(failure)) call load(name, settings // ";" // cut, scene, failure)
       if (.not. raised(failure)) call run_to(scene, "first", y, q, failure)
-      if (.not. raised(failure)) call load(name, settings // ";scene.from=" // output // &
-                                           "/first/restart.txt", scene, failure)
+      if (.not. raised(failure)) then
+         call load(name, settings // ";scene.from=" // output // &
+            "/first/restart.txt", scene, failure)
+      end if
       if (.not. raised(failure)) call run_to(scene, "second", y, q, failure)
       call check(error,.not. raised(failure), "a run of " // name // " failed")
       if (.not. allocated(error)) call same_parts(name, error)
@@ -638,10 +667,14 @@ contains
       subroutine refused(setting, words)
          character(*), intent(in) :: setting, words
          call clear(failure)
-         call load("heavy-top", setting // ";scene.from=" // output // "/first/restart.txt", scene, failure)
+         call load("heavy-top", setting // ";scene.from=" // output // "/first/restart.txt", &
+            scene, failure)
          if (.not. raised(failure)) call run_to(scene, "second", y, q, failure)
          call check(error, failure%code, poinsot_e_scene, "taken with " // setting)
-         if (.not. allocated(error)) call check(error, index(failure%message, words) > 0, failure%message)
+         if (.not. allocated(error)) then
+            call check(error, index(failure%message, words) > 0, &
+               failure%message)
+         end if
       end subroutine refused
 
    end subroutine test_restart_refusals
@@ -658,7 +691,8 @@ contains
       call check(error, failure%code, poinsot_e_partial, "not the error of a failed body")
       if (allocated(error)) return
       call slurp(output // "/failed/summary.txt", text)
-      call check(error, index(text, "failed") > 0 .and. index(text, "complete") == 0, "summary: " // text)
+      call check(error, index(text, "failed") > 0 .and. index(text, "complete") == 0, &
+         "summary: " // text)
    end subroutine test_failed_run
 
    subroutine test_output_refused(error)
@@ -679,8 +713,10 @@ contains
    !> Command lines and what they print, from test/golden; skipped without POINSOT_APP.
    subroutine test_golden(error)
       type(error_type), allocatable, intent(out) :: error
-      character(*), parameter :: names(14) = [character(20) :: "help", "help-run", "methods", "scenes-one", &
-                                              "effects-gravity", "unknown-command", "unknown-option", &
+      character(*), parameter :: names(14) = [character(20) :: "help", "help-run", "methods", &
+         "scenes-one", &
+                                              "effects-gravity", "unknown-command", &
+                                                 "unknown-option", &
                                               "unknown-scene", "unknown-key", "unknown-method", &
                                               "bad-moments", "bad-step", "no-value", "check"]
       character(:), allocatable :: app, wanted, got, arguments
@@ -697,10 +733,13 @@ contains
          call check(error, index(wanted, "$ poinsot "), 1, "no golden output: " // trim(names(i)))
          if (allocated(error)) return
          arguments = wanted(11:index(wanted, nl) - 1)
-         call execute_command_line("{ '" // app // "' " // arguments // "; echo exit $?; } >" // output // &
-                                   "/golden.txt 2>&1", exitstat=state, cmdstat=code)
+         call execute_command_line("{ '" // app // "' " // arguments // "; echo exit $?; } >" // &
+                                   output // "/golden.txt 2>&1", exitstat=state, cmdstat=code)
+         call check(error, code == 0 .and. state == 0, "no shell to run the program")
+         if (allocated(error)) return
          call slurp(output // "/golden.txt", got)
-         call check(error, got == wanted(index(wanted, nl) + 1:), "poinsot " // arguments // " prints:" // nl // got)
+         call check(error, got == wanted(index(wanted, nl) + 1:), "poinsot " // arguments // &
+            " prints:" // nl // got)
          if (allocated(error)) return
       end do
    end subroutine test_golden

@@ -67,7 +67,10 @@ contains
       method = "exact"
       if (scene%method == "exact") method = "jacobi"
       call start_engine(scene, better, error, method)
-      if (.not. raised(error)) call engine_step(better, other, 0.0_dp, scene%t_end, 0_i8, 1_i8, error)
+      if (.not. raised(error)) then
+         call engine_step(better, other, 0.0_dp, scene%t_end, 0_i8, 1_i8, &
+            error)
+      end if
       report%reference = "'" // method // "' in one stride"
    end subroutine free_reference
 
@@ -103,8 +106,10 @@ contains
       report%error_q = 0
       do i = 1, states%n
          unit = max(maxval(abs(states%y(:, i))), maxval(abs(other%y(:, i))))
-         if (unit > 0) report%error_y = max(report%error_y, &
-                                            norm2((states%y(:, i) - other%y(:, i))/unit))
+         if (unit > 0) then
+            report%error_y = max(report%error_y, &
+               norm2((states%y(:, i) - other%y(:, i))/unit))
+         end if
          report%error_q = max(report%error_q, attitude_distance(states%q(:, i), other%q(:, i)))
       end do
    end subroutine largest_difference

@@ -1,6 +1,6 @@
 !> Files written so that a reader never takes half of one for the whole: text goes to NAME.part, and
-!> takes its name only when everything is on the disk. C's stdio writes it: the Fortran run-time library
-!> (gfortran 12) reports neither at flush nor at close that a disk is full.
+!> takes its name only when everything is on the disk. C's stdio writes it: the Fortran run-time
+!> library (gfortran 12) reports neither at flush nor at close that a disk is full.
 module poinsot_scene_files
    use, intrinsic :: iso_c_binding, only: c_int, c_char, c_size_t, c_ptr, c_null_char, c_null_ptr, &
       c_associated, c_new_line
@@ -22,22 +22,26 @@ module poinsot_scene_files
    interface
       integer(c_int) function c_mkdir(path, mode) bind(c, name="mkdir")
          import :: c_int, c_char
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value, intent(in) :: mode
       end function c_mkdir
 
       integer(c_int) function c_rename(from, to) bind(c, name="rename")
          import :: c_int, c_char
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: from(*), to(*)
       end function c_rename
 
       type(c_ptr) function c_fopen(path, mode) bind(c, name="fopen")
          import :: c_ptr, c_char
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*), mode(*)
       end function c_fopen
 
       integer(c_size_t) function c_fwrite(text, size, count, file) bind(c, name="fwrite")
          import :: c_size_t, c_ptr, c_char
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: text(*)
          integer(c_size_t), value, intent(in) :: size, count
          type(c_ptr), value, intent(in) :: file
@@ -45,16 +49,19 @@ module poinsot_scene_files
 
       integer(c_int) function c_fflush(file) bind(c, name="fflush")
          import :: c_int, c_ptr
+         implicit none(type, external)
          type(c_ptr), value, intent(in) :: file
       end function c_fflush
 
       integer(c_int) function c_fclose(file) bind(c, name="fclose")
          import :: c_int, c_ptr
+         implicit none(type, external)
          type(c_ptr), value, intent(in) :: file
       end function c_fclose
 
       integer(c_int) function c_remove(path) bind(c, name="remove")
          import :: c_int, c_char
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*)
       end function c_remove
    end interface
@@ -108,8 +115,10 @@ contains
       call remove_file(path)
       file%path = path
       file%handle = c_fopen(path // unfinished // c_null_char, "w" // c_null_char)
-      if (.not. is_open(file)) call raise(error, poinsot_e_io, path // &
-                                          ": cannot be written; may this folder be written to?")
+      if (.not. is_open(file)) then
+         call raise(error, poinsot_e_io, path // &
+            ": cannot be written; may this folder be written to?")
+      end if
    end subroutine open_out
 
    !> Is it open?
@@ -126,14 +135,16 @@ contains
       integer(c_size_t) :: length
       if (raised(error)) return
       length = len(line, c_size_t) + 1
-      if (c_fwrite(line // c_new_line, 1_c_size_t, length, file%handle) /= length) &
+      if (c_fwrite(line // c_new_line, 1_c_size_t, length, file%handle) /= length) then
          call no_room(file, error)
+      end if
    end subroutine put
 
    subroutine no_room(file, error)
       type(out_file), intent(in) :: file
       type(poinsot_error), intent(inout) :: error
-      call raise(error, poinsot_e_io, file%path // ": cannot be written to its end: is the disk full? " // &
+      call raise(error, poinsot_e_io, file%path // &
+         ": cannot be written to its end: is the disk full? " // &
                  "What there is of it is called " // file%path // unfinished)
    end subroutine no_room
 
@@ -145,7 +156,8 @@ contains
       if (c_fflush(file%handle) /= 0) call no_room(file, error)
    end subroutine flush_out
 
-   !> End a file and give it its name; after an earlier error it keeps the name of an unfinished one.
+   !> End a file and give it its name; after an earlier error it keeps the name of an unfinished
+   !> one.
    !> Error: POINSOT_E_IO.
    subroutine finish_out(file, error)
       type(out_file), intent(inout) :: file

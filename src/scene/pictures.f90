@@ -1,6 +1,6 @@
-!> Pictures: gnuplot scripts beside the trajectory. They are always written; whoever has gnuplot runs
-!> them (the app does), again whenever wanted. Projection and hidden parts are worked out in the
-!> scripts themselves, so that they are plain plots in any terminal, readable in grey.
+!> Pictures: gnuplot scripts beside the trajectory. They are always written; whoever has gnuplot
+!> runs them (the app does), again whenever wanted. Projection and hidden parts are worked out in
+!> the scripts themselves, so that they are plain plots in any terminal, readable in grey.
 module poinsot_scene_pictures
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_settings, only: scene_settings
@@ -34,6 +34,8 @@ contains
       case ("ensemble")
          names = [character(16) :: "temperature", "momenta"]
          if (.not. wanted_temperature(scene) > 0) names = [character(16) :: "drift"]
+      case default
+         continue ! none
       end select
    end subroutine picture_names
 
@@ -76,7 +78,7 @@ contains
             call write_angle(scene, path, error)
          case ("temperature")
             call write_temperature(scene, path, error)
-         case ("momenta")
+         case default
             call write_momenta(scene, path, error)
          end select
       end do

@@ -29,13 +29,15 @@ contains
          "   (py(cos($1)*cos(k*pi/6),cos($1)*sin(k*pi/6),sin($1))) with lines lc rgb wire(0), \", &
          "   for [k=-2:2] [s=0:2*pi] '+' using " // &
          "(far(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))): \", &
-         "   (py(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))) with lines lc rgb wire(0), \", &
+         "   (py(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))) " // &
+         "with lines lc rgb wire(0), \", &
          "   for [k=0:5] [s=0:2*pi] '+' using " // &
          "(near(cos($1)*cos(k*pi/6),cos($1)*sin(k*pi/6),sin($1))): \", &
          "   (py(cos($1)*cos(k*pi/6),cos($1)*sin(k*pi/6),sin($1))) with lines lc rgb wire(1), \", &
          "   for [k=-2:2] [s=0:2*pi] '+' using " // &
          "(near(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))): \", &
-         "   (py(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))) with lines lc rgb wire(1), \", &
+         "   (py(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))) " // &
+         "with lines lc rgb wire(1), \", &
          "   [s=0:2*pi] '+' using (cos($1)):(sin($1)) with lines lc rgb '#9a9a9a' lw 1, \"], error)
    end subroutine put_wires
 
@@ -57,18 +59,21 @@ contains
       call put_sphere(file, azimuth, height, error)
       call put_pole(momentum_pole(scene), file, error)
       call put(file, "set yrange [-1.4:1.45]; set xrange [-1.15:1.15]", error)
-      call put(file, "set multiplot layout 1,3 margins 0.005,0.995,0.005,0.995 spacing 0.01,0", error)
+      call put(file, "set multiplot layout 1,3 margins 0.005,0.995,0.005,0.995 spacing 0.01,0", &
+         error)
       row = " skip 1 every bodies::body "
       do axis = 1, 3
          j = text_of(axis)
-         vector = "(q1" // j // "($3,$4,$5,$6),q2" // j // "($3,$4,$5,$6),q3" // j // "($3,$4,$5,$6))"
+         vector = "(q1" // j // "($3,$4,$5,$6),q2" // j // "($3,$4,$5,$6),q3" // j // &
+            "($3,$4,$5,$6))"
          call put(file, "set label 2 '" // axis_title(scene, axis) // "' at 0,-1.25 center", error)
          call put_wires(file, error)
          call put(file, "   file" // row // "using (far" // vector // "):(py" // vector // &
                   ") with lines lc rgb '" // pale // "' lw 1.2, \", error)
          call put(file, "   file" // row // "using (near" // vector // "):(py" // vector // &
                   ") with lines lc rgb '" // dark // "' lw 1.8, \", error)
-         call put(file, "   file skip 1 every bodies::body::body using (px" // vector // "):(py" // &
+         call put(file, "   file skip 1 every bodies::body::body using (px" // vector // &
+            "):(py" // &
                   vector // ") with points pt 7 ps 0.9 lc rgb '" // dark // "'", error)
       end do
       call put(file, "unset multiplot", error)
@@ -167,15 +172,18 @@ contains
       call put_axis_labels(file, error)
       call put(file, "set margins 0.2,0.2,0.2,0.2", error)
       if (has_contours(scene%bodies(first_group(scene)))) then
-         call put(file, "plot for [k=1:1] [s=0:2*pi] '+' using (cos($1)):(sin($1)) with lines lc rgb " // &
+         call put(file, &
+            "plot for [k=1:1] [s=0:2*pi] '+' using (cos($1)):(sin($1)) with lines lc rgb " // &
                   "'#9a9a9a' lw 1, \", error)
          call put_contour_plots(file, error)
       else
          call put_wires(file, error)
       end if
-      call put(file, "   file skip 1 every bodies::body using (far" // vector // "):(py" // vector // &
+      call put(file, "   file skip 1 every bodies::body using (far" // vector // "):(py" // &
+         vector // &
                ") with lines lc rgb '" // pale // "' lw 3, \", error)
-      call put(file, "   file skip 1 every bodies::body using (near" // vector // "):(py" // vector // &
+      call put(file, "   file skip 1 every bodies::body using (near" // vector // "):(py" // &
+         vector // &
                ") with lines lc rgb '" // dark // "' lw 3.5, \", error)
       call put(file, "   file skip 1 every bodies::body::body using (px" // vector // "):(py" // &
                vector // ") with points pt 7 ps 1.1 lc rgb '" // dark // "'", error)
@@ -196,16 +204,20 @@ contains
          axes(j, j) = 1
       end do
       if (scene%bodies(first_group(scene))%turned) axes = scene%bodies(first_group(scene))%axes
-      call put(file, "length(a,b,c) = a == 0 && b == 0 && c == 0 ? NaN : sqrt(a*a + b*b + c*c)", error)
+      call put(file, "length(a,b,c) = a == 0 && b == 0 && c == 0 ? NaN : sqrt(a*a + b*b + c*c)", &
+         error)
       do j = 1, 3
-         call put(file, "u" // text_of(j) // "(a,b,c) = (a*(" // text_of(axes(1, j)) // ") + b*(" // &
-                  text_of(axes(2, j)) // ") + c*(" // text_of(axes(3, j)) // "))/length(a,b,c)", error)
+         call put(file, "u" // text_of(j) // "(a,b,c) = (a*(" // text_of(axes(1, j)) // &
+            ") + b*(" // &
+                  text_of(axes(2, j)) // ") + c*(" // text_of(axes(3, j)) // "))/length(a,b,c)", &
+                     error)
       end do
       vector = "(u1($7,$8,$9),u2($7,$8,$9),u3($7,$8,$9))"
    end subroutine put_principal
 
-   !> Contours of H = sum a_j u_j^2 on the sphere, a sorted so that a1 > a2 > a3: closed curves about
-   !> the axis of the smallest moment, about that of the largest, and the separatrix between them.
+   !> Contours of H = sum a_j u_j^2 on the sphere, a sorted so that a1 > a2 > a3: closed curves
+   !> about the axis of the smallest moment, about that of the largest, and the separatrix between
+   !> them.
    subroutine put_contours(bodies, file, error)
       type(body_group), intent(in) :: bodies
       type(out_file), intent(in) :: file
@@ -291,9 +303,12 @@ contains
          "seen(x,y,z) = depth(x,y,z) >= 0 ? 1 : -1", &
          "axis_name(i,side) = (side > 0 ? '' : '-') . sprintf('y_%d', i)", &
          "set style textbox opaque noborder fillcolor rgb '#ffffff' margins 0.6,0.4", &
-         "g = seen(1,0,0); set label 1 axis_name(1,g) at g*px(1,0,0),g*py(1,0,0) center boxed front", &
-         "g = seen(0,1,0); set label 2 axis_name(2,g) at g*px(0,1,0),g*py(0,1,0) center boxed front", &
-         "g = seen(0,0,1); set label 3 axis_name(3,g) at g*px(0,0,1),g*py(0,0,1) center boxed front"], &
+         "g = seen(1,0,0); set label 1 axis_name(1,g) at g*px(1,0,0),g*py(1,0,0) " // &
+         "center boxed front", &
+         "g = seen(0,1,0); set label 2 axis_name(2,g) at g*px(0,1,0),g*py(0,1,0) " // &
+         "center boxed front", &
+         "g = seen(0,0,1); set label 3 axis_name(3,g) at g*px(0,0,1),g*py(0,0,1) " // &
+         "center boxed front"], &
          error)
    end subroutine put_axis_labels
 
@@ -389,7 +404,8 @@ contains
       character(:), allocatable :: m
       integer :: j
       m = "m[" // text_of(strip) // "]"
-      call put(file, "set yrange [-1.15*" // m // ":1.15*" // m // "]; set ytics (sprintf('%.0e', " // &
+      call put(file, "set yrange [-1.15*" // m // ":1.15*" // m // &
+         "]; set ytics (sprintf('%.0e', " // &
                m // ") " // m // ", '0' 0, sprintf('%.0e', -" // m // ") -" // m // ")", error)
       call put(file, "set label 1 'change of " // name // "' at graph 0.01, graph 1.1", error)
       if (last) then

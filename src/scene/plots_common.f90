@@ -117,8 +117,7 @@ contains
          "near(x,y,z) = depth(x,y,z) >= 0 ? px(x,y,z) : NaN", &
          "far(x,y,z) = depth(x,y,z) < 0 ? px(x,y,z) : NaN", &
          "set size ratio -1; unset border; unset tics; unset key", &
-         "set xrange [-1.18:1.18]; set yrange [-1.18:1.18]; set samples 361; set trange [0:2*pi]"], &
-         error)
+         "set xrange [-1.18:1.18]; set yrange [-1.18:1.18]; set samples 361"], error)
       call put(file, "wire(side) = side == 0 ? '#efefef' : '#d9d9d9'", error)
    end subroutine put_sphere
 

@@ -5,7 +5,8 @@ module poinsot_scene_plots_ensemble
    use poinsot_scene_text, only: text_of
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_settings, only: scene_settings
-   use poinsot_scene_plots_common, only: put_lines, put_start, put_end, first_group, dark, pale, grey
+   use poinsot_scene_plots_common, only: put_lines, put_start, put_end, first_group, dark, pale, &
+      grey
    implicit none(type, external)
    private
    public :: write_temperature, write_momenta, wanted_temperature
@@ -32,8 +33,9 @@ contains
       do i = 1, size(scene%effects)
          if (scene%effects(i)%name /= "langevin") cycle
          do k = 1, size(scene%effects(i)%settings)
-            if (scene%effects(i)%settings(k)%key == "temperature") &
+            if (scene%effects(i)%settings(k)%key == "temperature") then
                kt = scene%effects(i)%settings(k)%values(1)
+            end if
          end do
       end do
    end function wanted_temperature
@@ -52,7 +54,8 @@ contains
          "set key bottom right reverse Left; set border 3; set tics nomirror out", &
          "set xlabel 't'; set ylabel 'temperature of each axis / wanted one'", &
          "set autoscale xfix; set yrange [0:1.4]", &
-         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lc rgb '#b0b0b0' dt 2"], error)
+         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lc rgb '#b0b0b0' dt 2"], &
+            error)
       call put_lines(file, [character(160) :: &
          "plot file skip 1 using 1:(i1 > 0 ? $7**2/i1/kt : NaN) smooth unique title 'axis 1' " // &
          "with lines lc rgb '#1f3f66' lw 2, \", &
@@ -86,8 +89,9 @@ contains
          "set title sprintf('axis %d', j) offset 0,-0.6", &
          "set xlabel sprintf('y_%d / {/Symbol \326}(I_%d kT)', j, j)", &
          "if (i > 0) {", &
-         "plot file skip 1 every ::last using (bin(column(6+j)/sqrt(i*kt))):(1.0/bodies/width) " // &
-         "smooth frequency with boxes fs solid 1 border lc rgb '#ffffff' fc rgb '#b4c2d2', \", &
+         "plot file skip 1 every ::last using (bin(column(6+j)/sqrt(i*kt))):" // &
+         "(1.0/bodies/width) smooth frequency with boxes fs solid 1 " // &
+         "border lc rgb '#ffffff' fc rgb '#b4c2d2', \", &
          "   exp(-x*x/2)/sqrt(2*pi) with lines lc rgb '#1f3f66' lw 2", &
          "} else { set label 1 'no inertia' at 0,0.2 center; plot NaN; unset label 1 }", &
          "}", &

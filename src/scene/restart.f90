@@ -25,7 +25,8 @@ module poinsot_scene_restart
       real(dp) :: h = 0                    !! step of the scene, 0 = none
       integer(i8) :: step = 0              !! steps taken since t = 0
       integer(i8) :: seed = 0
-      integer(i8) :: kinds = 0             !! `sum_of_kinds`: a continuation must be of the same bodies
+      integer(i8) :: kinds = 0             !! `sum_of_kinds`: a continuation must be of the same
+                                           !! bodies
       real(dp), allocatable :: y(:, :)     !! (3, n): principal frame
       real(dp), allocatable :: q(:, :)     !! (4, n)
       real(dp), allocatable :: carry(:, :) !! (7, n)
@@ -128,7 +129,7 @@ contains
       end if
       call read_head(unit, path, bodies, kinds, state, error)
       if (.not. raised(error)) call read_bodies(unit, path, int(bodies), state, error)
-      close (unit, iostat=code)
+      close (unit)
    end subroutine read_restart
 
    !> Everything before the bodies.
@@ -145,7 +146,8 @@ contains
       call next(unit, path, magic, line, word, error)
       if (raised(error)) return
       if (word /= text_of(version)) then
-         call bad(path, line, "is of version " // quoted(word) // "; this program reads version " // &
+         call bad(path, line, "is of version " // quoted(word) // &
+            "; this program reads version " // &
                   text_of(version), error)
          return
       end if
@@ -167,7 +169,8 @@ contains
          call bad(path, line, "is of " // text_of(number) // " bodies, the scene has " // &
                   text_of(bodies), error)
       else if (told /= digits_of(kinds)) then
-         call bad(path, line - 1, "is of bodies with other moments, or in other groups, than the " // &
+         call bad(path, line - 1, &
+            "is of bodies with other moments, or in other groups, than the " // &
                   "scene's", error)
       end if
    end subroutine read_head
@@ -189,7 +192,8 @@ contains
          call bad(path, line, "the file ends where """ // key // """ is expected", error)
       else if (text(:len(key) + 1) /= key // " ") then
          call bad(path, line, "begins with " // quoted(trim(text(:min(40, len(text))))) // &
-                  " where """ // key // """ is expected: not a restart file, or a damaged one", error)
+                  " where """ // key // """ is expected: not a restart file, or a damaged one", &
+                     error)
       else
          word = trim(adjustl(text(len(key) + 2:)))
          if (index(word, " ") > 0) word = word(:index(word, " ") - 1)
@@ -256,7 +260,9 @@ contains
       integer(i8) :: total
       integer :: i, code, line
       logical :: good
-      allocate (state%y(3, n), state%q(4, n), state%carry(7, n), stat=code)
+      allocate (state%y(3, n), stat=code)
+      if (code == 0) allocate (state%q(4, n), stat=code)
+      if (code == 0) allocate (state%carry(7, n), stat=code)
       if (code /= 0) then
          call raise(error, poinsot_e_memory, path // ": no memory for " // text_of(n) // " bodies")
          return
@@ -283,8 +289,11 @@ contains
       line = head_lines + n
       call next(unit, path, "end", line, word, error)
       if (raised(error)) return
-      if (word /= digits_of(total)) call bad(path, line, "the sum at the end is not that of the numbers: " // &
-                               "the file was changed or damaged", error)
+      if (word /= digits_of(total)) then
+         call bad(path, line, &
+            "the sum at the end is not that of the numbers: " // &
+            "the file was changed or damaged", error)
+      end if
    end subroutine read_bodies
 
    subroutine bad(path, line, message, error)

@@ -40,8 +40,8 @@ contains
 
    !> Run a scene and write its files into the folder `out`, which is made if it is not there.
    !> Errors: POINSOT_E_IO, POINSOT_E_MEMORY, POINSOT_E_SCENE (restart file), POINSOT_E_PARTIAL and
-   !> others of the engine (numerical failure). After every error but a failing disk the summary says
-   !> that the run is not complete.
+   !> others of the engine (numerical failure). After every error but a failing disk the summary
+   !> says that the run is not complete.
    subroutine run_scene(scene, out, watch, report, error)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out              !! folder for the output
@@ -58,7 +58,8 @@ contains
       call prepare(scene, out, run, report, error)
       if (raised(error)) return
       call march(scene, run, watch, report, error)
-      if (error%code == poinsot_e_io) closing = error ! a file that could not be written keeps its .part
+      ! a file that could not be written keeps its .part
+      if (error%code == poinsot_e_io) closing = error
       call finish_frames(run%frames, closing)
       report%t = run%t
       report%all = wall_clock() - begun
@@ -76,8 +77,11 @@ contains
       end if
       call clear(closing)
       if (.not. raised(error)) call save_restart(scene, out, run, report, closing)
-      if (.not. raised(closing)) call write_summary(out // "/summary.txt", scene, report, run%states, &
-                                                    closing)
+      if (.not. raised(closing)) then
+         call write_summary(out // "/summary.txt", scene, report, &
+            run%states, &
+            closing)
+      end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
    end subroutine run_scene
@@ -104,7 +108,8 @@ contains
       if (.not. raised(error)) call start_engine(scene, run%engine, error)
       if (.not. raised(error)) call continue_from(scene, out, run, report, error)
       if (raised(error)) return
-      allocate (run%kinetic(run%states%n), run%potential(run%states%n), stat=code)
+      allocate (run%kinetic(run%states%n), stat=code)
+      if (code == 0) allocate (run%potential(run%states%n), stat=code)
       if (code == 0 .and. body_total(scene) <= 1000) run%begin = run%states
       if (code == 0) then
          call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
@@ -158,7 +163,8 @@ contains
       type(restart_state) :: saved
       if (len(scene%from) == 0) return
       if (index(scene%from, out // "/") == 1 .and. index(scene%from(len(out) + 2:), "/") == 0) then
-         call raise(error, poinsot_e_scene, scene%from // ": lies in the output folder, and the run " // &
+         call raise(error, poinsot_e_scene, scene%from // &
+            ": lies in the output folder, and the run " // &
                     "would overwrite what it continues; choose another --out")
          return
       end if
@@ -262,7 +268,8 @@ contains
          call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error)
          begun = wall_clock() - begun
          report%stepping = report%stepping + begun
-         if (begun < short .and. steps == most) most = 2*most ! bits do not depend on where calls end
+         ! bits do not depend on where calls end
+         if (begun < short .and. steps == most) most = 2*most
          if (begun > long) most = max(1_i8, most/2)
          if (raised(error)) return
          done = done + steps

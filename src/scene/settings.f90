@@ -34,7 +34,8 @@ module poinsot_scene_settings
 
    !> &output
    type :: output_settings
-      logical :: present = .false.            !! without the group nothing but the summary is written
+      logical :: present = .false.            !! without the group nothing but the summary is
+                                              !! written
       real(dp) :: every = 0                   !! time between outputs; 0 = use `times`
       real(dp), allocatable :: times(:)       !! output times, ascending
       integer(i8), allocatable :: bodies(:)   !! numbers of the bodies written; size 0 = all

@@ -11,7 +11,8 @@ module poinsot_scene_source
    public :: from_option
    public :: append, place, refuse, find_group
 
-   integer, parameter :: from_option = -1 !! line of what stands on the command line, not in the file
+   integer, parameter :: from_option = -1 !! line of what stands on the command line, not in the
+                                          !! file
    integer, parameter :: value_null = 0, value_number = 1, value_logical = 2, value_text = 3
 
    !> One value as written, `repeats` times (Fortran's `3*0.0`; a null value leaves the default).
