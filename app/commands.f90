@@ -40,6 +40,8 @@ contains
       case ("--version", "-V", "version")
          call show_version()
          return
+      case default
+         continue
       end select
       if (.not. any(table%name == name)) then
          call complain("unknown command '" // name // "'; the nearest known one is '" // &

@@ -9,7 +9,8 @@ module app_find_scene
    character(*), parameter :: ending = ".nml"
 
    !> The scenes that are shipped, in the order of the list.
-   character(16), parameter :: shipped_scenes(11) = [character(16) :: "free-body", "tennis-racket", &
+   character(16), parameter :: shipped_scenes(11) = [character(16) :: "free-body", &
+      "tennis-racket", &
       "heavy-top", "sleeping-top", "kovalevskaya", "satellite", "rotating-field", "dipole-chain", &
       "gyrostat", "thermostat", "large-ensemble"]
 
@@ -49,10 +50,10 @@ contains
          if (colon > 1) call add(folders, list(:colon - 1))
          list = list(min(colon, len(list)) + 1:)
       end do
-      above = executable_folder()
-      call add(folders, above // "/../share/poinsot/scenes")
-      do i = 1, 4 ! build/COMPILER_HASH/app/poinsot, build/stage/bin/poinsot
-         above = above // "/.."
+      above = executable_folder() ! without links and dots, so folders go up name by name
+      do i = 1, 4 ! PREFIX/bin; build/COMPILER_HASH/app, build/stage/bin
+         above = above(:max(index(above, "/", back=.true.) - 1, 0))
+         if (i == 1) call add(folders, above // "/share/poinsot/scenes")
          call add(folders, above // "/scenes")
       end do
    end subroutine scene_folders

@@ -60,14 +60,14 @@ contains
             "poinsot splittings", &
             "", &
             "Lists the schemes that alternate kicks by the effects with free turns: name, order,", &
-            "turns and force gradients of a step, author and year. A scene with effects names one", &
-            "in &scene splitting = '...'."])
+            "turns and force gradients of a step, author and year. A scene with effects names", &
+            "one in &scene splitting = '...'."])
       case ("effects")
          call put([character(100) :: &
             "poinsot effects [NAME]", &
             "", &
-            "Lists the effects a scene can hold, each a group &NAME ... / in the scene file. With a", &
-            "NAME: its formula, its keys with defaults and units, and what it is tested against.", &
+            "Lists the effects a scene can hold, each a group &NAME ... / in the scene file. A", &
+            "NAME: its formula, its keys with defaults and units, what it is tested against.", &
             "NAME may also be scene, bodies or output: the keys of those groups."])
       case ("scenes")
          call put([character(100) :: &
@@ -79,6 +79,8 @@ contains
             "A NAME is looked for as NAME.nml in this folder, in the folders of POINSOT_SCENES", &
             "(colons between them), beside the program in ../share/poinsot/scenes, and in the", &
             "source tree the program was built in."])
+      case default
+         call show_help()
       end select
    end subroutine show_command_help
 
@@ -88,8 +90,8 @@ contains
          "", &
          "SCENE is a scene file, or the name of a shipped scene (poinsot scenes lists them).", &
          "", &
-         "   --out DIR              folder for the output (default poinsot-out/SCENE); made if it", &
-         "                          is not there; files of an earlier run in it are replaced", &
+         "   --out DIR              folder for the output (default poinsot-out/SCENE), made", &
+         "                          if missing; files of an earlier run in it are replaced", &
          "   --threads N            threads (default: as many as OpenMP offers)", &
          "   --set GROUP.KEY=VALUE  a setting over the file's own, as often as wanted:", &
          "                          --set scene.h=0.05 --set bodies.y=0,0.6,-0.8", &
@@ -105,7 +107,7 @@ contains
          "   restart.txt       the state to the bit: continue with --set scene.from=FILE", &
          "   plot_*.gp         gnuplot scripts; their pictures too where gnuplot is found", &
          "", &
-         "q is a unit quaternion, scalar first, from the body to space; y the angular momentum in", &
+         "q is a unit quaternion, scalar first, from body to space; y the angular momentum in", &
          "the body frame. Interrupted (Ctrl-C), a run ends at the next step with all its files", &
          "readable and a restart; the summary says so, and the exit code is 1."])
    end subroutine help_run

@@ -35,7 +35,10 @@ contains
          end if
       end do
       fine = size(words%at) <= most
-      if (.not. fine) call complain(command // ": '" // words%at(most + 1)%text // "' is one too many")
+      if (.not. fine) then
+         call complain(command // ": '" // words%at(most + 1)%text // &
+            "' is one too many")
+      end if
    end function fine
 
    !> poinsot methods
@@ -66,13 +69,13 @@ contains
       integer, intent(out) :: code
       type(splitting) :: scheme
       type(poinsot_error) :: error
-      character(14) :: name
+      character(18) :: name
       character(8) :: order, stages, gradients
       integer :: i
       code = exit_usage
       if (.not. fine("splittings", words, 0)) return
       code = exit_ok
-      call say("splitting     order   turns   gradients  source")
+      call say("splitting         order   turns   gradients  source")
       do i = 1, splitting_count()
          name = splitting_name(i)
          call find_splitting(trim(name), scheme, error)
@@ -82,7 +85,7 @@ contains
          call say(name // order // stages // gradients // "   " // trim(scheme%author) // ", " // &
                   text_of(scheme%year))
       end do
-      call say("auto          -       -       -          the cheapest that meets &scene tol")
+      call say("auto              -       -       -          the cheapest that meets &scene tol")
    end subroutine command_splittings
 
    !> poinsot effects [NAME]
@@ -103,7 +106,8 @@ contains
             if (names(i) == words%at(1)%text) exit
          end do
          if (i > size(names)) then
-            call complain("effects: unknown effect '" // words%at(1)%text // "'; the nearest known " // &
+            call complain("effects: unknown effect '" // words%at(1)%text // &
+               "'; the nearest known " // &
                           "one is '" // nearest_name(words%at(1)%text, names) // "'")
             return
          end if
@@ -173,8 +177,9 @@ contains
       if (key%most > 1) name = name // "(" // text_of(key%most) // ")"
       left = name
       text = left // merge(key%default, "-" // repeat(" ", len(key%default) - 1), key%default /= "")
-      if (key%is_text .and. key%default /= "" .and. key%default /= "required") &
+      if (key%is_text .and. key%default /= "" .and. key%default /= "required") then
          text = left // "'" // trim(key%default) // "'"
+      end if
    end function key_head
 
    !> poinsot scenes [NAME]
@@ -209,9 +214,10 @@ contains
       code = exit_usage
       call find_scene(name, file, found)
       if (.not. found) then
-         call complain("scenes: there is no scene '" // name // "'; the nearest shipped one is '" // &
-                       nearest_name(name(:min(len(name), 60)), shipped_scenes) // &
-                       "' (looked in ./, POINSOT_SCENES and beside the program)")
+         call complain("scenes: there is no scene '" // name // &
+            "' in this folder, in POINSOT_SCENES or " // &
+                       "beside the program; the nearest shipped one is '" // &
+                       nearest_name(name(:min(len(name), 60)), shipped_scenes) // "'")
          return
       end if
       open (newunit=unit, file=file, action="read", status="old", iostat=code)

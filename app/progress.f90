@@ -48,7 +48,10 @@ contains
    !> Take the line away.
    subroutine wipe(self)
       class(progress_watch), intent(inout) :: self
-      if (self%dirty) write (error_unit, "(a)", advance="no") achar(13) // repeat(" ", 70) // achar(13)
+      if (self%dirty) then
+         write (error_unit, "(a)", advance="no") achar(13) // repeat(" ", 70) // &
+            achar(13)
+      end if
       flush (error_unit)
       self%dirty = .false.
    end subroutine wipe

@@ -72,7 +72,10 @@ contains
          name = words%at(i)%text
          if (.not. is_option(name)) then
             good = len(options%scene) == 0
-            if (.not. good) call complain("run: one scene at a time; '" // name // "' is a second one")
+            if (.not. good) then
+               call complain("run: one scene at a time; '" // name // &
+                  "' is a second one")
+            end if
             options%scene = name
             cycle
          end if
@@ -127,8 +130,10 @@ contains
       if (size(options) == 0) then
          call complain(command // ": unknown option '" // name // "'; there is only --help")
       else
-         call complain(command // ": unknown option '" // name // "'; the nearest known one is " // &
-                       nearest_name(name(:min(len(name), 60)), options) // " (poinsot " // command // &
+         call complain(command // ": unknown option '" // name // &
+            "'; the nearest known one is " // &
+                       nearest_name(name(:min(len(name), 60)), options) // " (poinsot " // &
+                          command // &
                        " --help shows all)")
       end if
    end subroutine unknown_option
@@ -145,8 +150,10 @@ contains
       integer :: i
       call find_scene(name, file, good)
       if (.not. good) then
-         call complain("there is no file '" // name // "' and no scene of that name; the nearest " // &
-                       "shipped one is '" // nearest_name(name(:min(len(name), 60)), shipped_scenes) // &
+         call complain("there is no file '" // name // &
+            "' and no scene of that name; the nearest " // &
+                       "shipped one is '" // nearest_name(name(:min(len(name), 60)), &
+                          shipped_scenes) // &
                        "' (poinsot scenes lists them)")
          return
       end if
@@ -179,7 +186,8 @@ contains
       rows = rows*output_count(scene)
       call say(scene%file // ": the scene is right")
       call say("   bodies   " // text_of(body_total(scene)))
-      call say("   steps    " // text_of(nint(step_total(scene), i8)) // " of '" // scene%method // "'")
+      call say("   steps    " // text_of(nint(step_total(scene), i8)) // " of '" // &
+         scene%method // "'")
       call say("   rows     " // text_of(nint(rows, i8)) // " of trajectory, about " // &
                text_of(nint(rows*240/1e6_dp, i8)) // " MB")
    end subroutine check_only
@@ -205,7 +213,8 @@ contains
          return
       end if
       if (report%state == "interrupted") then
-         call complain("interrupted at t = " // text_of(report%t) // "; continue with --set scene.from=" // &
+         call complain("interrupted at t = " // text_of(report%t) // &
+            "; continue with --set scene.from=" // &
                        out // "/" // scene%output%restart)
          code = exit_runtime
          return
@@ -230,12 +239,13 @@ contains
       close (unit)
    end subroutine show_file
 
-   !> The pictures, where gnuplot is found; what gnuplot has to say goes to gnuplot.log.
+   !> The pictures, where gnuplot is found; what gnuplot complains of stays in plot_NAME.log.
    subroutine draw(scene, out, quiet)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out
       logical, intent(in) :: quiet
       character(16), allocatable :: names(:)
+      character(:), allocatable :: script
       integer :: i, state, code
       call picture_names(scene, names)
       if (size(names) == 0) return
@@ -245,11 +255,13 @@ contains
          return
       end if
       do i = 1, size(names)
-         call execute_command_line("cd " // escaped(out) // " && gnuplot plot_" // trim(names(i)) // &
-                                   ".gp >gnuplot.log 2>&1 && rm -f gnuplot.log", &
+         script = "plot_" // trim(names(i))
+         call execute_command_line("cd " // escaped(out) // " && gnuplot " // script // ".gp >" // &
+                                   script // ".log 2>&1 && rm -f " // script // ".log", &
                                    exitstat=state, cmdstat=code)
          if (state /= 0 .or. code /= 0) then
-            call complain("gnuplot failed on plot_" // trim(names(i)) // ".gp; see gnuplot.log beside it")
+            call complain("gnuplot failed on " // script // ".gp; see " // script // &
+               ".log beside it")
          else if (.not. quiet) then
             call say("picture   " // trim(names(i)) // ".svg, " // trim(names(i)) // ".png")
          end if

@@ -16,19 +16,22 @@ module app_terminal
    interface
       integer(c_int) function c_isatty(descriptor) bind(c, name="isatty")
          import :: c_int
+         implicit none(type, external)
          integer(c_int), value, intent(in) :: descriptor
       end function c_isatty
 
       type(c_funptr) function c_signal(number, handler) bind(c, name="signal")
          import :: c_int, c_funptr
+         implicit none(type, external)
          integer(c_int), value, intent(in) :: number
          type(c_funptr), value, intent(in) :: handler
       end function c_signal
 
       integer(c_long) function c_readlink(path, buffer, size) bind(c, name="readlink")
          import :: c_char, c_size_t, c_long
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*)
-         character(kind=c_char), intent(out) :: buffer(*)
+         character(kind=c_char), intent(out) :: buffer(size)
          integer(c_size_t), value, intent(in) :: size
       end function c_readlink
    end interface
@@ -91,14 +94,14 @@ contains
       character(*), intent(in) :: line
       integer :: code
       write (output_unit, "(a)", iostat=code) line
+      if (code /= 0) return
    end subroutine say
 
    !> A line on standard error, with the program's name.
    subroutine complain(line)
       character(*), intent(in) :: line
-      integer :: code
-      flush (output_unit, iostat=code)
-      write (error_unit, "(a)", iostat=code) "poinsot: " // line
+      flush (output_unit)
+      write (error_unit, "(a)") "poinsot: " // line
    end subroutine complain
 
 end module app_terminal

@@ -16,8 +16,37 @@ contains
       !$ openmp = .true.
       call say("poinsot " // version_text)
       call say("compiler: " // compiler_version())
-      call say("flags:    " // compiler_options())
+      call say("flags:    " // chosen(compiler_options()))
       call say("openmp:   " // trim(merge("yes", "no ", openmp)))
    end subroutine show_version
+
+   !> The flags that somebody chose: without folders, and without what -march stands for, which
+   !> gfortran spells out.
+   pure function chosen(flags) result(short)
+      character(*), intent(in) :: flags
+      character(:), allocatable :: short, rest, one
+      integer :: blank
+      short = ""
+      rest = trim(adjustl(flags)) // " "
+      do while (len_trim(rest) > 0)
+         blank = index(rest, " ")
+         one = rest(:blank - 1)
+         rest = adjustl(rest(blank + 1:))
+         select case (one(:min(2, len(one))))
+         case ("-I", "-J")
+            if (len(one) == 2) rest = adjustl(rest(index(rest // " ", " "):))
+            cycle
+         case ("--")
+            cycle
+         case ("-m")
+            if (.not. any(one(:min(6, len(one))) == ["-march", "-mtune", "-mcpu=", "-mpref"])) cycle
+         case default
+            continue
+         end select
+         if (index(one, "-fpre-include") == 1 .or. index(short // " ", " " // one // " ") > 0) cycle
+         short = short // " " // one
+      end do
+      short = adjustl(short)
+   end function chosen
 
 end module app_version

@@ -12,6 +12,7 @@ program check_poinsot
    use test_free, only: collect_free
    use test_oracle, only: collect_oracle
    use test_rotation, only: collect_rotation
+   use test_scene, only: collect_scene
    use test_splitting, only: collect_splitting
    implicit none(type, external)
 
@@ -27,7 +28,8 @@ program check_poinsot
       new_testsuite("oracle", collect_oracle), &
       new_testsuite("free", collect_free), &
       new_testsuite("effect", collect_effect), &
-      new_testsuite("splitting", collect_splitting)]
+      new_testsuite("splitting", collect_splitting), &
+      new_testsuite("scene", collect_scene)]
    first = 1
    call get_argument(first, suite)
    if (allocated(suite)) then

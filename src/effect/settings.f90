@@ -26,7 +26,7 @@ module poinsot_effect_settings
       logical :: is_text = .false.
       integer :: least = 1, most = 1     !! how many numbers; most < 0: any number of them
       character(28) :: default = ""      !! as a user would write it; "required"; "" = absent
-      character(32) :: units = ""        !! units, or for a text the choices, separated by blanks
+      character(48) :: units = ""        !! units, or for a text the choices, separated by blanks
       character(72) :: meaning = ""
    end type effect_key
 

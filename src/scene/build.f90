@@ -65,7 +65,8 @@ contains
       do i = 1, source%count
          if (.not. any(known == source%groups(i)%name)) then
             call refuse(error, source%file, source%groups(i)%line, "unknown group " // &
-                        quoted("&" // source%groups(i)%name) // "; the nearest known group is ""&" // &
+                        quoted("&" // source%groups(i)%name) // &
+                           "; the nearest known group is ""&" // &
                         nearest_name(source%groups(i)%name, known) // """")
             return
          end if
@@ -78,7 +79,8 @@ contains
          end if
       end do
       if (find_group(source, "scene") == 0) then
-         call refuse(error, source%file, 0, "has no &scene group; t_end at least must be given there")
+         call refuse(error, source%file, 0, &
+            "has no &scene group; t_end at least must be given there")
       else if (find_group(source, "bodies") == 0) then
          call refuse(error, source%file, 0, "has no &bodies group; at least one body is needed")
       end if
@@ -106,13 +108,16 @@ contains
       else if (scene%h < 0 .or. (given(group, "h") .and. scene%h <= 0)) then
          call complain(group, "h", "= " // text_of(scene%h) // " must be positive", error)
       else if (scene%h > 0 .and. scene%t_end/max(scene%h, 1e-290_dp) > most_steps) then
-         call complain(group, "h", "= " // text_of(scene%h) // " makes more than 1e15 steps to " // &
+         call complain(group, "h", "= " // text_of(scene%h) // &
+            " makes more than 1e15 steps to " // &
                        "t_end = " // text_of(scene%t_end) // "; give a longer step", error)
       else if (scene%tol < 1e-15_dp .or. scene%tol > 1) then
          call complain(group, "tol", "= " // text_of(scene%tol) // " is not from 1e-15 to 1", error)
       end if
-      if (.not. raised(error)) call integer_of(group, "seed", -9007199254740992_i8, &
-                                               9007199254740992_i8, scene%seed, error)
+      if (.not. raised(error)) then
+         call integer_of(group, "seed", -9007199254740992_i8, &
+            9007199254740992_i8, scene%seed, error)
+      end if
       if (.not. raised(error)) call integer_of(group, "threads", 0_i8, 4096_i8, threads, error)
       if (raised(error)) return
       scene%threads = int(threads)
@@ -158,7 +163,8 @@ contains
          if (.not. raised(error)) call build_bodies(group, scene%bodies(i), error)
          if (raised(error)) return
          if (body_total(scene) <= largest_count) cycle
-         call complain(group, "count", "makes more than " // text_of(largest_count) // " bodies", error)
+         call complain(group, "count", "makes more than " // text_of(largest_count) // " bodies", &
+            error)
          return
       end do
    end subroutine build_all_bodies
@@ -212,8 +218,9 @@ contains
          if (scene%output%pictures == "auto") scene%output%pictures = "top"
       end do
       if (scene%output%pictures == "auto") scene%output%pictures = "body"
-      if (scene%output%pictures == "body" .and. written(scene) > 20) &
+      if (scene%output%pictures == "body" .and. written(scene) > 20) then
          scene%output%pictures = "ensemble"
+      end if
       if (size(axis) == 0) axis = centre
       if (size(axis) == 0) axis = scene%output%axis
       if (maxval(abs(axis)) <= 0) then
@@ -277,7 +284,19 @@ contains
       type(scene_settings), intent(inout) :: scene
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: numbers(:)
+      integer(i8) :: sample
       integer :: i
+      call integer_of(group, "sample", 0_i8, body_total(scene), sample, error)
+      if (raised(error)) return
+      if (sample > 0) then
+         if (given(group, "bodies")) then
+            call complain(group, "sample", &
+               "and bodies are both given; " // &
+               "leave one out", error)
+         end if
+         scene%output%bodies = [(1 + (i - 1)*body_total(scene)/sample, i=1, int(sample))]
+         return
+      end if
       call numbers_of(group, "bodies", numbers)
       do i = 1, size(numbers)
          if (numbers(i) >= 1 .and. numbers(i) <= real(body_total(scene), dp)) then
@@ -305,7 +324,8 @@ contains
          call refuse(error, scene%file, line, "&scene: the key ""h"" is required, because of &" // &
                      scene%effects(1)%name // "; only free bodies do without")
       else if (scene%h <= 0 .and. .not. is_exact_method(scene%method)) then
-         call refuse(error, scene%file, line, "&scene: the key ""h"" is required for method = '" // &
+         call refuse(error, scene%file, line, &
+            "&scene: the key ""h"" is required for method = '" // &
                      scene%method // "'; only 'exact' and 'jacobi' do without")
       end if
    end subroutine check_run

@@ -67,7 +67,10 @@ contains
       method = "exact"
       if (scene%method == "exact") method = "jacobi"
       call start_engine(scene, better, error, method)
-      if (.not. raised(error)) call engine_step(better, other, 0.0_dp, scene%t_end, 0_i8, 1_i8, error)
+      if (.not. raised(error)) then
+         call engine_step(better, other, 0.0_dp, scene%t_end, 0_i8, 1_i8, &
+            error)
+      end if
       report%reference = "'" // method // "' in one stride"
    end subroutine free_reference
 
@@ -79,13 +82,15 @@ contains
       type(engine) :: better
       type(piece) :: part
       integer(i8) :: k, step
+      real(dp) :: h
       call start_engine(scene, better, error, "exact")
       step = 0
       do k = 1, piece_count(scene)
          if (raised(error)) return
          part = get_piece(scene, k)
-         call engine_step(better, other, part%from, part%h/real(finer, dp), step, &
-                          finer*part%steps, error)
+         h = part%h/real(finer, dp)
+         call engine_step(better, other, part%from - real(step, dp)*h, h, step, finer*part%steps, &
+                          error)
          step = step + finer*part%steps
       end do
       report%reference = "the same scene with 'exact' and a quarter of the step"
@@ -101,8 +106,10 @@ contains
       report%error_q = 0
       do i = 1, states%n
          unit = max(maxval(abs(states%y(:, i))), maxval(abs(other%y(:, i))))
-         if (unit > 0) report%error_y = max(report%error_y, &
-                                            norm2((states%y(:, i) - other%y(:, i))/unit))
+         if (unit > 0) then
+            report%error_y = max(report%error_y, &
+               norm2((states%y(:, i) - other%y(:, i))/unit))
+         end if
          report%error_q = max(report%error_q, attitude_distance(states%q(:, i), other%q(:, i)))
       end do
    end subroutine largest_difference

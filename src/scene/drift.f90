@@ -31,7 +31,9 @@ contains
       integer, intent(out) :: code                     !! not 0: no memory
       integer :: i, n
       n = states%n
-      allocate (drift%length(n), drift%momentum(3, n), drift%size_y(n), stat=code)
+      allocate (drift%length(n), stat=code)
+      if (code == 0) allocate (drift%momentum(3, n), stat=code)
+      if (code == 0) allocate (drift%size_y(n), stat=code)
       if (code /= 0) return
       do i = 1, n
          drift%length(i) = length_of(states%y(:, i))
@@ -62,7 +64,8 @@ contains
       end do
       drift%total_size = max(drift%total_size, sum(abs(kinetic)) + sum(abs(potential)))
       drift%energy_change = max(drift%energy_change, &
-                                relative(sum(kinetic) + sum(potential) - drift%total, drift%total_size))
+                                relative(sum(kinetic) + sum(potential) - drift%total, &
+                                   drift%total_size))
    end subroutine follow_drift
 
    !> |v| without leaving the range of numbers.

@@ -66,8 +66,11 @@ contains
       if (item%name == "dipoles") call take_positions(scene, item)
       if (raised(error)) return
       call make_effect(item%name, item%settings, made, refused)
-      if (raised(refused)) call refuse(error, source%file, group%line, "&" // group%name // ": " // &
-                                       refused%message)
+      if (raised(refused)) then
+         call refuse(error, source%file, group%line, "&" // group%name // &
+            ": " // &
+            refused%message)
+      end if
    end subroutine build_one
 
    !> &torque file = '...': its numbers in place of times and table.
@@ -86,7 +89,8 @@ contains
       end if
       name = word_of(group, "file")
       if (len(name) == 0) then
-         call complain(group, "file", "is empty; name a file with lines of t and three torques", error)
+         call complain(group, "file", "is empty; name a file with lines of t and three torques", &
+            error)
          return
       end if
       if (name(1:1) /= "/") name = scene_file(:index(scene_file, "/", back=.true.)) // name

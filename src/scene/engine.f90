@@ -86,25 +86,30 @@ contains
       view%status => states%status
    end subroutine look
 
-   !> `steps` steps of h from time t. Error: POINSOT_E_PARTIAL if bodies failed, naming the first.
-   subroutine engine_step(this, states, t, h, first, steps, error)
+   !> Steps number `first` to `first + steps - 1` of length h; step k begins at `origin + k h`, so
+   !> that the bits of a run do not depend on where calls cut it. Error: POINSOT_E_PARTIAL if bodies
+   !> failed, naming the first.
+   subroutine engine_step(this, states, origin, h, first, steps, error)
       type(engine), intent(in), target :: this
       type(body_states), intent(inout), target :: states
-      real(dp), intent(in) :: t, h                !! time of the first step, length of each
-      integer(i8), intent(in) :: first, steps     !! number of the first step, how many
+      real(dp), intent(in) :: origin, h
+      integer(i8), intent(in) :: first, steps
       type(poinsot_error), intent(inout) :: error
       type(body_view) :: view
       integer :: status, i
       states%status = poinsot_ok
       call look(states, view)
-      call step_bodies(this%plan, view, t, h, first, steps, status, error)
+      call step_bodies(this%plan, view, origin, h, first, steps, status, error)
       if (raised(error) .or. status == poinsot_ok) return
       do i = 1, states%n - 1
          if (states%status(i) /= poinsot_ok) exit
       end do
-      call raise(error, poinsot_e_partial, text_of(count(states%status /= poinsot_ok)) // " of " // &
-                 text_of(states%n) // " bodies failed between t = " // text_of(t) // " and " // &
-                 text_of(t + real(steps, dp)*h) // "; the first is body " // text_of(i) // ": " // &
+      call raise(error, poinsot_e_partial, text_of(count(states%status /= poinsot_ok)) // &
+         " of " // &
+                 text_of(states%n) // " bodies failed between t = " // &
+                 text_of(origin + real(first, dp)*h) // " and " // &
+                 text_of(origin + real(first + steps, dp)*h) // "; the first is body " // &
+                    text_of(i) // ": " // &
                  status_text(states%status(i)))
    end subroutine engine_step
 
@@ -120,8 +125,9 @@ contains
       states%status = poinsot_ok
       call look(states, view)
       call body_energies(this%plan, view, t, kinetic, potential, status, error)
-      if (status /= poinsot_ok .and. .not. raised(error)) &
+      if (status /= poinsot_ok .and. .not. raised(error)) then
          call raise(error, poinsot_e_partial, "some bodies have no energy at t = " // text_of(t))
+      end if
    end subroutine engine_energy
 
 end module poinsot_scene_engine

@@ -1,36 +1,67 @@
 !> Files written so that a reader never takes half of one for the whole: text goes to NAME.part, and
-!> takes its name only when everything is on the disk.
+!> takes its name only when everything is on the disk. C's stdio writes it: the Fortran run-time
+!> library (gfortran 12) reports neither at flush nor at close that a disk is full.
 module poinsot_scene_files
-   use, intrinsic :: iso_c_binding, only: c_int, c_char, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_int, c_char, c_size_t, c_ptr, c_null_char, c_null_ptr, &
+      c_associated, c_new_line
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io
    implicit none(type, external)
    private
-   public :: out_file, open_out, put, flush_out, finish_out, abandon_out
+   public :: out_file, open_out, put, flush_out, finish_out, is_open
    public :: make_folder, remove_file, file_exists, is_folder
 
    character(*), parameter :: unfinished = ".part"
 
    !> A text file being written.
    type :: out_file
-      integer :: unit = 0                      !! 0: not open
+      type(c_ptr) :: handle = c_null_ptr       !! C's FILE; null: not open
       character(:), allocatable :: path        !! its name once finished
    end type out_file
 
    interface
       integer(c_int) function c_mkdir(path, mode) bind(c, name="mkdir")
          import :: c_int, c_char
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value, intent(in) :: mode
       end function c_mkdir
 
       integer(c_int) function c_rename(from, to) bind(c, name="rename")
          import :: c_int, c_char
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: from(*), to(*)
       end function c_rename
 
+      type(c_ptr) function c_fopen(path, mode) bind(c, name="fopen")
+         import :: c_ptr, c_char
+         implicit none(type, external)
+         character(kind=c_char), intent(in) :: path(*), mode(*)
+      end function c_fopen
+
+      integer(c_size_t) function c_fwrite(text, size, count, file) bind(c, name="fwrite")
+         import :: c_size_t, c_ptr, c_char
+         implicit none(type, external)
+         character(kind=c_char), intent(in) :: text(*)
+         integer(c_size_t), value, intent(in) :: size, count
+         type(c_ptr), value, intent(in) :: file
+      end function c_fwrite
+
+      integer(c_int) function c_fflush(file) bind(c, name="fflush")
+         import :: c_int, c_ptr
+         implicit none(type, external)
+         type(c_ptr), value, intent(in) :: file
+      end function c_fflush
+
+      integer(c_int) function c_fclose(file) bind(c, name="fclose")
+         import :: c_int, c_ptr
+         implicit none(type, external)
+         type(c_ptr), value, intent(in) :: file
+      end function c_fclose
+
       integer(c_int) function c_remove(path) bind(c, name="remove")
          import :: c_int, c_char
+         implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*)
       end function c_remove
    end interface
@@ -81,68 +112,67 @@ contains
       character(*), intent(in) :: path
       type(out_file), intent(out) :: file
       type(poinsot_error), intent(inout) :: error
-      integer :: code
-      character(200) :: reason
       call remove_file(path)
-      open (newunit=file%unit, file=path // unfinished, access="stream", form="formatted", &
-            action="write", status="replace", iostat=code, iomsg=reason)
       file%path = path
-      if (code == 0) return
-      file%unit = 0
-      call raise(error, poinsot_e_io, path // ": cannot be written: " // trim(reason))
+      file%handle = c_fopen(path // unfinished // c_null_char, "w" // c_null_char)
+      if (.not. is_open(file)) then
+         call raise(error, poinsot_e_io, path // &
+            ": cannot be written; may this folder be written to?")
+      end if
    end subroutine open_out
+
+   !> Is it open?
+   pure logical function is_open(file)
+      type(out_file), intent(in) :: file
+      is_open = c_associated(file%handle)
+   end function is_open
 
    !> One line. Error: POINSOT_E_IO, a full disk for instance; nothing is written after an error.
    subroutine put(file, line, error)
       type(out_file), intent(in) :: file
       character(*), intent(in) :: line
       type(poinsot_error), intent(inout) :: error
-      integer :: code
-      character(200) :: reason
+      integer(c_size_t) :: length
       if (raised(error)) return
-      write (file%unit, "(a)", iostat=code, iomsg=reason) line
-      if (code /= 0) call raise(error, poinsot_e_io, file%path // ": cannot be written: " // &
-                                trim(reason))
+      length = len(line, c_size_t) + 1
+      if (c_fwrite(line // c_new_line, 1_c_size_t, length, file%handle) /= length) then
+         call no_room(file, error)
+      end if
    end subroutine put
 
-   !> What is written so far to the disk.
+   subroutine no_room(file, error)
+      type(out_file), intent(in) :: file
+      type(poinsot_error), intent(inout) :: error
+      call raise(error, poinsot_e_io, file%path // &
+         ": cannot be written to its end: is the disk full? " // &
+                 "What there is of it is called " // file%path // unfinished)
+   end subroutine no_room
+
+   !> What is written so far to the disk. Error: POINSOT_E_IO.
    subroutine flush_out(file, error)
       type(out_file), intent(in) :: file
       type(poinsot_error), intent(inout) :: error
-      integer :: code
-      character(200) :: reason
-      if (raised(error) .or. file%unit == 0) return
-      flush (file%unit, iostat=code, iomsg=reason)
-      if (code /= 0) call raise(error, poinsot_e_io, file%path // ": cannot be written: " // &
-                                trim(reason))
+      if (raised(error) .or. .not. is_open(file)) return
+      if (c_fflush(file%handle) /= 0) call no_room(file, error)
    end subroutine flush_out
 
-   !> End a file and give it its name; after an earlier error it keeps the name of an unfinished one.
+   !> End a file and give it its name; after an earlier error it keeps the name of an unfinished
+   !> one.
+   !> Error: POINSOT_E_IO.
    subroutine finish_out(file, error)
       type(out_file), intent(inout) :: file
       type(poinsot_error), intent(inout) :: error
-      integer :: code
-      character(200) :: reason
-      if (file%unit == 0) return
-      call flush_out(file, error)
-      close (file%unit, iostat=code, iomsg=reason)
-      file%unit = 0
+      integer(c_int) :: code
+      if (.not. is_open(file)) return
+      code = c_fclose(file%handle)
+      file%handle = c_null_ptr
       if (raised(error)) return
-      if (code == 0) then
-         code = c_rename(file%path // unfinished // c_null_char, file%path // c_null_char)
-         reason = "it cannot be renamed from " // file%path // unfinished
+      if (code /= 0) then
+         call no_room(file, error)
+      else if (c_rename(file%path // unfinished // c_null_char, file%path // c_null_char) /= 0) then
+         call raise(error, poinsot_e_io, file%path // ": cannot be renamed from " // file%path // &
+                    unfinished)
       end if
-      if (code /= 0) call raise(error, poinsot_e_io, file%path // ": " // trim(reason))
    end subroutine finish_out
-
-   !> Drop a file that will not be finished.
-   subroutine abandon_out(file)
-      type(out_file), intent(inout) :: file
-      integer :: code
-      if (file%unit == 0) return
-      close (file%unit, iostat=code)
-      file%unit = 0
-      call remove_file(file%path)
-   end subroutine abandon_out
 
 end module poinsot_scene_files

@@ -6,7 +6,7 @@ module poinsot_scene_frames
    use poinsot_scene_settings, only: scene_settings, body_total
    use poinsot_scene_states, only: body_states, to_scene_frame
    use poinsot_scene_effects, only: body_positions
-   use poinsot_scene_files, only: out_file, finish_out
+   use poinsot_scene_files, only: out_file, finish_out, is_open
    use poinsot_scene_trajectory, only: open_csv, write_csv, open_xyz, write_xyz, semi_axes
    implicit none(type, external)
    private
@@ -82,7 +82,7 @@ contains
       integer :: i, k
       if (.not. allocated(frames%bodies)) return
       associate (b => frames%bodies)
-         if (frames%xyz%unit /= 0) then
+         if (is_open(frames%xyz)) then
             ! the ellipsoid's axes are the principal ones
             do i = 1, size(b)
                k = int(b(i))
@@ -92,7 +92,7 @@ contains
             call write_xyz(frames%xyz, t, b, frames%position, frames%shape, frames%y, frames%q, &
                            kinetic(b) + potential(b), error)
          end if
-         if (frames%csv%unit == 0 .or. raised(error)) return
+         if (raised(error) .or. .not. is_open(frames%csv)) return
          do i = 1, size(b)
             k = int(b(i))
             frames%y(:, i) = states%y(:, k)

@@ -29,6 +29,8 @@ contains
       case (2:)
          call complain(group, "moments", "tensor and shape: give one of them only", error)
          return
+      case default
+         continue
       end select
       if (.not. given(group, "shape") .and. (given(group, "mass") .or. given(group, "size"))) then
          call complain(group, "shape", "is missing, but mass or size is given", error)
@@ -68,8 +70,10 @@ contains
       character(:), allocatable :: name
       name = word_of(group, "shape")
       if (shape_sizes(name) < 0) then
-         call complain(group, "shape", "= " // quoted(name) // ": unknown shape; the nearest known " // &
-                       "one is """ // nearest_name(name(:min(len(name), 60)), shape_names()) // """", &
+         call complain(group, "shape", "= " // quoted(name) // &
+            ": unknown shape; the nearest known " // &
+                       "one is """ // nearest_name(name(:min(len(name), 60)), shape_names()) // &
+                          """", &
                        error)
          return
       end if

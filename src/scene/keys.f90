@@ -1,5 +1,6 @@
 !> The groups of a scene file that are not effects, with every key they know: one table for the
-!> reader, for its messages and for the help. Effects bring their own keys (poinsot_effect_registry).
+!> reader, for its messages and for the help. Effects bring their own keys
+!> (poinsot_effect_registry).
 module poinsot_scene_keys
    use poinsot_effect_settings, only: effect_info, number_key, text_key
    implicit none(type, external)
@@ -14,11 +15,14 @@ contains
       info%name = "scene"
       info%formula = "the run as a whole"
       info%keys = [ &
-         number_key("t_end", 1, 1, "required", "time", "the run goes from t = 0 (or from a restart) to here"), &
-         number_key("h", 1, 1, "0", "time", "step; may be left out for free bodies and an exact method"), &
+         number_key("t_end", 1, 1, "required", "time", &
+            "the run goes from t = 0 (or from a restart) to here"), &
+         number_key("h", 1, 1, "0", "time", &
+            "step; may be left out for free bodies and an exact method"), &
          text_key("method", "exact", "", "how a body turns between kicks: poinsot methods"), &
          text_key("splitting", "srkn6", "", "how kicks and turns alternate: poinsot splittings"), &
-         number_key("tol", 1, 1, "1e-8", "relative", "tolerance, used by splitting = 'auto' and by poinsot choose"), &
+         number_key("tol", 1, 1, "1e-8", "relative", &
+            "tolerance, used by splitting = 'auto' and by poinsot choose"), &
          number_key("seed", 1, 1, "1", "integer", "seed of all random numbers"), &
          number_key("threads", 1, 1, "0", "integer", "threads; 0 = as many as OpenMP offers"), &
          text_key("from", "", "", "restart file to continue from")]
@@ -31,15 +35,21 @@ contains
       info%formula = "one kind of body, as often as the scene has kinds"
       info%keys = [ &
          number_key("count", 1, 1, "1", "integer", "how many of them"), &
-         number_key("moments", 3, 3, "", "mass length^2", "principal moments of inertia, in any order"), &
-         number_key("tensor", 9, 9, "", "mass length^2", "or the inertia tensor, row by row, in the given frame"), &
-         text_key("shape", "", "", "or a shape: box ellipsoid cylinder sphere rod plate, water ..."), &
+         number_key("moments", 3, 3, "", "mass length^2", &
+            "principal moments of inertia, in any order"), &
+         number_key("tensor", 9, 9, "", "mass length^2", &
+            "or the inertia tensor, row by row, in the given frame"), &
+         text_key("shape", "", "", &
+            "or a shape: box ellipsoid cylinder sphere rod plate, water ..."), &
          number_key("mass", 1, 1, "1", "mass", "of the shape"), &
-         number_key("size", 1, 3, "", "length", "of the shape: edges, semi-axes, radius and height, length"), &
+         number_key("size", 1, 3, "", "length", &
+            "of the shape: edges, semi-axes, radius and height, length"), &
          number_key("y", 3, 3, "", "action", "angular momentum in the body frame"), &
          number_key("omega", 3, 3, "", "1/time", "or the angular velocity in the body frame"), &
-         number_key("q", 4, 4, "1,0,0,0", "", "attitude, unit quaternion, scalar first, body to space"), &
-         text_key("random", "none", "none uniform thermal", "uniform: attitudes; thermal: momenta as well"), &
+         number_key("q", 4, 4, "1,0,0,0", "", &
+            "attitude, unit quaternion, scalar first, body to space"), &
+         text_key("random", "none", "none uniform thermal", &
+            "uniform: attitudes; thermal: momenta as well"), &
          number_key("temperature", 1, 1, "", "energy", "k T of the thermal momenta"), &
          number_key("position", 3, 3, "0,0,0", "length", "of the first body (pictures; dipoles)"), &
          number_key("spacing", 3, 3, "0,0,0", "length", "from one body to the next")]
@@ -53,12 +63,20 @@ contains
       info%keys = [ &
          number_key("every", 1, 1, "", "time", "time from one output to the next, from 0 on"), &
          number_key("times", 1, -1, "", "time", "or the output times themselves, ascending"), &
-         number_key("bodies", 1, -1, "", "integer", "numbers of the bodies written, from 1; default all"), &
-         text_key("format", "csv", "csv extxyz csv+extxyz", "trajectory.csv, trajectory.xyz (OVITO), or both"), &
-         text_key("restart", "restart.txt", "", "name of the restart file in the output folder; '' = none"), &
-         text_key("pictures", "auto", "auto none body top angle ensemble", "what is drawn from trajectory.csv"), &
-         number_key("axis", 3, 3, "", "direction", "body axis that top and angle follow; default 3 or the top's own"), &
-         number_key("rate", 1, 1, "0", "radians per time", "the frame that angle is seen from turns about z so fast")]
+         number_key("bodies", 1, -1, "", "integer", &
+            "numbers of the bodies written, from 1; default all"), &
+         number_key("sample", 1, 1, "0", "integer", &
+            "or write so many bodies, evenly spread over all of them"), &
+         text_key("format", "csv", "csv extxyz csv+extxyz", &
+            "trajectory.csv, trajectory.xyz (OVITO), or both"), &
+         text_key("restart", "restart.txt", "", &
+            "name of the restart file in the output folder; '' = none"), &
+         text_key("pictures", "auto", "auto none body top tilt angle ensemble", &
+            "what is drawn from trajectory.csv"), &
+         number_key("axis", 3, 3, "", "direction", &
+            "body axis that pictures follow; default 3, or a top's own"), &
+         number_key("rate", 1, 1, "0", "radians per time", &
+            "the frame that angle is seen from turns about z so fast")]
    end subroutine output_keys
 
 end module poinsot_scene_keys

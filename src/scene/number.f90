@@ -1,5 +1,6 @@
-!> Numbers as a scene file may write them, checked letter by letter before Fortran reads them: a host
-!> may run with floating-point traps on, so a text such as 1e999 must never reach the run-time library.
+!> Numbers as a scene file may write them, checked letter by letter before Fortran reads them: a
+!> host may run with floating-point traps on, so a text such as 1e999 must never reach the run-time
+!> library.
 module poinsot_scene_number
    use poinsot_core_kinds, only: dp, i8
    use poinsot_scene_text, only: lower
@@ -31,6 +32,8 @@ contains
       case ("nan", "inf", "infinity")
          outcome = number_range
          return
+      case default
+         continue
       end select
       mark = scan(word, "ed")
       if (mark == 0) mark = len(word) + 1

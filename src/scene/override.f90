@@ -1,11 +1,14 @@
-!> Settings from a command line, "group.key=value", put into a scanned scene as if the file had them.
+!> Settings from a command line, "group.key=value", put into a scanned scene as if the file had
+!> them.
 module poinsot_scene_override
    use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: lower, quoted, text_of
    use poinsot_scene_number, only: parse_integer, number_ok
    use poinsot_scene_reader, only: scan_values
-   use poinsot_scene_source, only: scene_source, scene_group, scene_entry, append, find_group, refuse
+   use poinsot_scene_source, only: scene_source, scene_group, scene_entry, append, find_group, &
+      refuse, &
+      from_option
    implicit none(type, external)
    private
    public :: override
@@ -15,8 +18,8 @@ module poinsot_scene_override
 contains
 
    !> Put one setting in, over the file's own value of that key; a group that is not there is added.
-   !> `bodies(2).key=value` names the second &bodies group. Error: POINSOT_E_SCENE for what is not of
-   !> that form; whether group and key exist is found out when the scene is built.
+   !> `bodies(2).key=value` names the second &bodies group. Error: POINSOT_E_SCENE for what is not
+   !> of that form; whether group and key exist is found out when the scene is built.
    subroutine override(text, source, error)
       character(*), intent(in) :: text               !! group.key=value
       type(scene_source), intent(inout) :: source
@@ -31,12 +34,14 @@ contains
          return
       end if
       group = lower(trim(adjustl(text(:dot - 1))))
+      entry%line = from_option
       entry%key = lower(trim(adjustl(text(dot + 1:equals - 1))))
       call take_number(group, nth, error)
       if (.not. raised(error)) call scan_values(text(equals + 1:), place, group, entry, error)
       if (raised(error)) return
       if (group == "bodies" .and. nth == 0 .and. find_group(source, "bodies", 2) > 0) then
-         call refuse(error, place, 0, quoted(text) // ": the scene has several &bodies groups; " // &
+         call refuse(error, place, 0, quoted(text) // &
+            ": the scene has several &bodies groups; " // &
                      "name one, as in bodies(2)." // entry%key)
          return
       end if
@@ -54,8 +59,9 @@ contains
       open = index(group, "(")
       if (open == 0) return
       outcome = number_ok + 1
-      if (group(len(group):) == ")") &
+      if (group(len(group):) == ")") then
          call parse_integer(group(open + 1:len(group) - 1), number, outcome)
+      end if
       if (outcome == number_ok) then
          if (number < 1 .or. number > 1000000) outcome = number_ok + 1
       end if
@@ -83,6 +89,7 @@ contains
       end if
       if (k == 0) then
          group%name = name
+         group%line = from_option
          call append(source, group)
          k = source%count
       end if

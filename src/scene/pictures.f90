@@ -1,19 +1,18 @@
-!> Pictures: gnuplot scripts beside the trajectory. They are always written; whoever has gnuplot runs
-!> them (the app does), again whenever wanted. Projection and hidden parts are worked out in the
-!> scripts themselves, so that they are plain plots in any terminal, readable in grey.
+!> Pictures: gnuplot scripts beside the trajectory. They are always written; whoever has gnuplot
+!> runs them (the app does), again whenever wanted. Projection and hidden parts are worked out in
+!> the scripts themselves, so that they are plain plots in any terminal, readable in grey.
 module poinsot_scene_pictures
-   use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_plots_body, only: write_attitude, write_momentum, write_drift
-   use poinsot_scene_plots_top, only: write_nutation, write_angle
-   use poinsot_scene_plots_ensemble, only: write_temperature, write_momenta
+   use poinsot_scene_plots_top, only: write_nutation, write_angle, write_tilt
+   use poinsot_scene_plots_ensemble, only: write_temperature, write_momenta, wanted_temperature
    implicit none(type, external)
    private
    public :: write_pictures, picture_names, picture_files
 
-   character(*), parameter :: all_names(7) = [character(16) :: "attitude", "momentum", "drift", &
-                                              "nutation", "angle", "temperature", "momenta"]
+   character(*), parameter :: all_names(8) = [character(16) :: "attitude", "momentum", "drift", &
+                                              "nutation", "tilt", "angle", "temperature", "momenta"]
 
 contains
 
@@ -21,7 +20,6 @@ contains
    subroutine picture_names(scene, names)
       type(scene_settings), intent(in) :: scene
       character(16), allocatable, intent(out) :: names(:)
-      logical :: thermal
       allocate (names(0))
       if (.not. (scene%output%present .and. scene%output%csv)) return
       select case (scene%output%pictures)
@@ -29,12 +27,15 @@ contains
          names = [character(16) :: "attitude", "momentum", "drift"]
       case ("top")
          names = [character(16) :: "nutation", "drift"]
+      case ("tilt")
+         names = [character(16) :: "tilt", "drift"]
       case ("angle")
          names = [character(16) :: "angle", "drift"]
       case ("ensemble")
-         thermal = any(scene%bodies%temperature > 0)
          names = [character(16) :: "temperature", "momenta"]
-         if (.not. thermal) names = [character(16) :: "drift"]
+         if (.not. wanted_temperature(scene) > 0) names = [character(16) :: "drift"]
+      case default
+         continue ! none
       end select
    end subroutine picture_names
 
@@ -71,11 +72,13 @@ contains
             call write_drift(scene, path, error)
          case ("nutation")
             call write_nutation(scene, path, error)
+         case ("tilt")
+            call write_tilt(scene, path, error)
          case ("angle")
             call write_angle(scene, path, error)
          case ("temperature")
             call write_temperature(scene, path, error)
-         case ("momenta")
+         case default
             call write_momenta(scene, path, error)
          end select
       end do

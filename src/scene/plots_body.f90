@@ -29,13 +29,15 @@ contains
          "   (py(cos($1)*cos(k*pi/6),cos($1)*sin(k*pi/6),sin($1))) with lines lc rgb wire(0), \", &
          "   for [k=-2:2] [s=0:2*pi] '+' using " // &
          "(far(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))): \", &
-         "   (py(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))) with lines lc rgb wire(0), \", &
+         "   (py(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))) " // &
+         "with lines lc rgb wire(0), \", &
          "   for [k=0:5] [s=0:2*pi] '+' using " // &
          "(near(cos($1)*cos(k*pi/6),cos($1)*sin(k*pi/6),sin($1))): \", &
          "   (py(cos($1)*cos(k*pi/6),cos($1)*sin(k*pi/6),sin($1))) with lines lc rgb wire(1), \", &
          "   for [k=-2:2] [s=0:2*pi] '+' using " // &
          "(near(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))): \", &
-         "   (py(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))) with lines lc rgb wire(1), \", &
+         "   (py(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))) " // &
+         "with lines lc rgb wire(1), \", &
          "   [s=0:2*pi] '+' using (cos($1)):(sin($1)) with lines lc rgb '#9a9a9a' lw 1, \"], error)
    end subroutine put_wires
 
@@ -56,18 +58,22 @@ contains
       height = 16
       call put_sphere(file, azimuth, height, error)
       call put_pole(momentum_pole(scene), file, error)
-      call put(file, "set multiplot layout 1,3 margins 0.01,0.99,0.01,0.92 spacing 0.01,0", error)
+      call put(file, "set yrange [-1.4:1.45]; set xrange [-1.15:1.15]", error)
+      call put(file, "set multiplot layout 1,3 margins 0.005,0.995,0.005,0.995 spacing 0.01,0", &
+         error)
       row = " skip 1 every bodies::body "
       do axis = 1, 3
          j = text_of(axis)
-         vector = "(q1" // j // "($3,$4,$5,$6),q2" // j // "($3,$4,$5,$6),q3" // j // "($3,$4,$5,$6))"
-         call put(file, "set title '" // axis_title(scene, axis) // "' offset 0,-0.9", error)
+         vector = "(q1" // j // "($3,$4,$5,$6),q2" // j // "($3,$4,$5,$6),q3" // j // &
+            "($3,$4,$5,$6))"
+         call put(file, "set label 2 '" // axis_title(scene, axis) // "' at 0,-1.25 center", error)
          call put_wires(file, error)
          call put(file, "   file" // row // "using (far" // vector // "):(py" // vector // &
                   ") with lines lc rgb '" // pale // "' lw 1.2, \", error)
          call put(file, "   file" // row // "using (near" // vector // "):(py" // vector // &
                   ") with lines lc rgb '" // dark // "' lw 1.8, \", error)
-         call put(file, "   file skip 1 every bodies::body::body using (px" // vector // "):(py" // &
+         call put(file, "   file skip 1 every bodies::body::body using (px" // vector // &
+            "):(py" // &
                   vector // ") with points pt 7 ps 0.9 lc rgb '" // dark // "'", error)
       end do
       call put(file, "unset multiplot", error)
@@ -117,6 +123,24 @@ contains
       if (abs(u(3)) < 0.99_dp) azimuth = nint(atan2(u(2), u(1))*45/atan(1.0_dp)) + 25
    end subroutine find_eye
 
+   !> Between the momentum at the start and the axis that it runs around: what the picture of the
+   !> momentum is seen along.
+   pure function polhode_middle(bodies) result(middle)
+      type(body_group), intent(in) :: bodies
+      real(dp) :: middle(3), u(3), a(3)
+      integer :: order(3), pole
+      middle = 0
+      if (maxval(abs(bodies%y)) <= 0) return
+      u = bodies%y/maxval(abs(bodies%y))
+      u = u/norm2(u)
+      middle = u
+      if (.not. has_contours(bodies)) return
+      call sorted_inverse(bodies%moments, a, order)
+      pole = order(1)
+      if ((a(1) - a(2))*u(order(1))**2 < (a(2) - a(3))*u(order(3))**2) pole = order(3)
+      middle(pole) = middle(pole) + sign(1.2_dp, u(pole))
+   end function polhode_middle
+
    !> Momentum in space at the start, of the first body written, its vertical part upwards: what the
    !> picture of the axes is seen along.
    pure function momentum_pole(scene) result(pole)
@@ -141,22 +165,25 @@ contains
       call open_out(path, file, error)
       if (raised(error)) return
       call put_start(scene, file, "momentum", 520, 520, error)
-      call find_eye(scene%bodies(first_group(scene))%y, azimuth, height)
+      call find_eye(polhode_middle(scene%bodies(first_group(scene))), azimuth, height)
       call put_sphere(file, azimuth, height, error)
       call put_principal(scene, file, vector, error)
       call put_contours(scene%bodies(first_group(scene)), file, error)
       call put_axis_labels(file, error)
       call put(file, "set margins 0.2,0.2,0.2,0.2", error)
       if (has_contours(scene%bodies(first_group(scene)))) then
-         call put(file, "plot for [k=1:1] [s=0:2*pi] '+' using (cos($1)):(sin($1)) with lines lc rgb " // &
+         call put(file, &
+            "plot for [k=1:1] [s=0:2*pi] '+' using (cos($1)):(sin($1)) with lines lc rgb " // &
                   "'#9a9a9a' lw 1, \", error)
          call put_contour_plots(file, error)
       else
          call put_wires(file, error)
       end if
-      call put(file, "   file skip 1 every bodies::body using (far" // vector // "):(py" // vector // &
+      call put(file, "   file skip 1 every bodies::body using (far" // vector // "):(py" // &
+         vector // &
                ") with lines lc rgb '" // pale // "' lw 3, \", error)
-      call put(file, "   file skip 1 every bodies::body using (near" // vector // "):(py" // vector // &
+      call put(file, "   file skip 1 every bodies::body using (near" // vector // "):(py" // &
+         vector // &
                ") with lines lc rgb '" // dark // "' lw 3.5, \", error)
       call put(file, "   file skip 1 every bodies::body::body using (px" // vector // "):(py" // &
                vector // ") with points pt 7 ps 1.1 lc rgb '" // dark // "'", error)
@@ -177,16 +204,20 @@ contains
          axes(j, j) = 1
       end do
       if (scene%bodies(first_group(scene))%turned) axes = scene%bodies(first_group(scene))%axes
-      call put(file, "length(a,b,c) = a == 0 && b == 0 && c == 0 ? NaN : sqrt(a*a + b*b + c*c)", error)
+      call put(file, "length(a,b,c) = a == 0 && b == 0 && c == 0 ? NaN : sqrt(a*a + b*b + c*c)", &
+         error)
       do j = 1, 3
-         call put(file, "u" // text_of(j) // "(a,b,c) = (a*(" // text_of(axes(1, j)) // ") + b*(" // &
-                  text_of(axes(2, j)) // ") + c*(" // text_of(axes(3, j)) // "))/length(a,b,c)", error)
+         call put(file, "u" // text_of(j) // "(a,b,c) = (a*(" // text_of(axes(1, j)) // &
+            ") + b*(" // &
+                  text_of(axes(2, j)) // ") + c*(" // text_of(axes(3, j)) // "))/length(a,b,c)", &
+                     error)
       end do
       vector = "(u1($7,$8,$9),u2($7,$8,$9),u3($7,$8,$9))"
    end subroutine put_principal
 
-   !> Contours of H = sum a_j u_j^2 on the sphere, a sorted so that a1 > a2 > a3: closed curves about
-   !> the axis of the smallest moment, about that of the largest, and the separatrix between them.
+   !> Contours of H = sum a_j u_j^2 on the sphere, a sorted so that a1 > a2 > a3: closed curves
+   !> about the axis of the smallest moment, about that of the largest, and the separatrix between
+   !> them.
    subroutine put_contours(bodies, file, error)
       type(body_group), intent(in) :: bodies
       type(out_file), intent(in) :: file
@@ -272,9 +303,12 @@ contains
          "seen(x,y,z) = depth(x,y,z) >= 0 ? 1 : -1", &
          "axis_name(i,side) = (side > 0 ? '' : '-') . sprintf('y_%d', i)", &
          "set style textbox opaque noborder fillcolor rgb '#ffffff' margins 0.6,0.4", &
-         "g = seen(1,0,0); set label 1 axis_name(1,g) at g*px(1,0,0),g*py(1,0,0) center boxed front", &
-         "g = seen(0,1,0); set label 2 axis_name(2,g) at g*px(0,1,0),g*py(0,1,0) center boxed front", &
-         "g = seen(0,0,1); set label 3 axis_name(3,g) at g*px(0,0,1),g*py(0,0,1) center boxed front"], &
+         "g = seen(1,0,0); set label 1 axis_name(1,g) at g*px(1,0,0),g*py(1,0,0) " // &
+         "center boxed front", &
+         "g = seen(0,1,0); set label 2 axis_name(2,g) at g*px(0,1,0),g*py(0,1,0) " // &
+         "center boxed front", &
+         "g = seen(0,0,1); set label 3 axis_name(3,g) at g*px(0,0,1),g*py(0,0,1) " // &
+         "center boxed front"], &
          error)
    end subroutine put_axis_labels
 
@@ -370,7 +404,8 @@ contains
       character(:), allocatable :: m
       integer :: j
       m = "m[" // text_of(strip) // "]"
-      call put(file, "set yrange [-1.15*" // m // ":1.15*" // m // "]; set ytics (sprintf('%.0e', " // &
+      call put(file, "set yrange [-1.15*" // m // ":1.15*" // m // &
+         "]; set ytics (sprintf('%.0e', " // &
                m // ") " // m // ", '0' 0, sprintf('%.0e', -" // m // ") -" // m // ")", error)
       call put(file, "set label 1 'change of " // name // "' at graph 0.01, graph 1.1", error)
       if (last) then

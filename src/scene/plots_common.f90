@@ -60,15 +60,13 @@ contains
       large = text_of(2*width) // "," // text_of(2*height)
       call put(file, "# gnuplot plot_" // name // ".gp, in this folder, draws " // name // &
                ".svg and " // name // ".png", error)
-      call put_lines(file, [character(100) :: &
-         "set datafile separator ','", &
-         "set encoding utf8", &
-         "file = 'trajectory.csv'"], error)
+      call put(file, "file = 'trajectory.csv'", error)
       call put(file, "bodies = " // text_of(written_bodies(scene)) // "   # rows of a frame", error)
       call put_lines(file, [character(100) :: &
          "body = 0     # which of them is drawn, from 0", &
          "do for [kind in 'svg pngcairo'] {", &
          "if (strstrt(GPVAL_TERMINALS, kind) == 0) { continue }", &
+         "reset; set encoding utf8; set datafile separator ','", &
          "if (kind eq 'svg') {"], error)
       call put(file, "set terminal svg size " // extent // " dynamic background '#ffffff' " // &
                "font 'DejaVu Sans,12'", error)
@@ -119,8 +117,7 @@ contains
          "near(x,y,z) = depth(x,y,z) >= 0 ? px(x,y,z) : NaN", &
          "far(x,y,z) = depth(x,y,z) < 0 ? px(x,y,z) : NaN", &
          "set size ratio -1; unset border; unset tics; unset key", &
-         "set xrange [-1.18:1.18]; set yrange [-1.18:1.18]; set samples 361; set trange [0:2*pi]"], &
-         error)
+         "set xrange [-1.18:1.18]; set yrange [-1.18:1.18]; set samples 361"], error)
       call put(file, "wire(side) = side == 0 ? '#efefef' : '#d9d9d9'", error)
    end subroutine put_sphere
 

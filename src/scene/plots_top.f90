@@ -10,7 +10,7 @@ module poinsot_scene_plots_top
    use poinsot_scene_plots_body, only: put_wires
    implicit none(type, external)
    private
-   public :: write_nutation, write_angle
+   public :: write_nutation, write_angle, write_tilt
 
    character(*), parameter :: row = "($3,$4,$5,$6)"
 
@@ -28,7 +28,8 @@ contains
          do j = 1, 3
             if (abs(scene%output%axis(j)) <= 0) cycle
             if (len(sum) > 0) sum = sum // " + "
-            sum = sum // "(" // text_of(scene%output%axis(j)) // ")*q" // text_of(i) // text_of(j) // &
+            sum = sum // "(" // text_of(scene%output%axis(j)) // ")*q" // text_of(i) // &
+               text_of(j) // &
                "(a,b,c,d)"
          end do
          call put(file, "n" // text_of(i) // "(a,b,c,d) = " // sum, error)
@@ -61,9 +62,11 @@ contains
          "set arrow 1 from 0,py(0,0,1) to 0,py(0,0,1)+0.16 lc rgb '#7d7d7d' front", &
          "set label 1 'up' at 0.05,py(0,0,1)+0.12 tc rgb '#7d7d7d'"], error)
       call put_wires(file, error)
-      call put(file, "   file skip 1 every bodies::body using (far" // vector // "):(py" // vector // &
+      call put(file, "   file skip 1 every bodies::body using (far" // vector // "):(py" // &
+         vector // &
                ") with lines lc rgb '" // pale // "' lw 1.4, \", error)
-      call put(file, "   file skip 1 every bodies::body using (near" // vector // "):(py" // vector // &
+      call put(file, "   file skip 1 every bodies::body using (near" // vector // "):(py" // &
+         vector // &
                ") with lines lc rgb '" // dark // "' lw 1.9, \", error)
       call put(file, "   file skip 1 every bodies::body::body using (px" // vector // "):(py" // &
                vector // ") with points pt 7 ps 1 lc rgb '" // dark // "'", error)
@@ -71,20 +74,56 @@ contains
          "unset arrow 1; unset label 1; set size noratio; set border 3", &
          "set lmargin at screen 0.57; set rmargin at screen 0.975", &
          "set bmargin at screen 0.14; set tmargin at screen 0.93", &
-         "set xtics nomirror out autofreq format '%g'; set ytics nomirror out autofreq format '%g'", &
+         "set xtics nomirror out autofreq format '%g'", &
+         "set ytics nomirror out autofreq format '%g'", &
          "set xrange [*:*]; set yrange [*:*] reverse", &
          "set xlabel 'azimuth of the axis (degrees)'", &
          "set ylabel 'angle from the vertical (degrees)'", &
          "old = -1e9"], error)
-      call put(file, "plot file skip 1 every bodies::body using ($0 == 0 ? (old = -1e9) : 0, phi" // vector // &
+      call put(file, &
+         "plot file skip 1 every bodies::body using ($0 == 0 ? (old = -1e9) : 0, phi" // vector // &
                "):(theta" // vector // ") with lines lc rgb '" // dark // "' lw 1.6, \", error)
-      call put(file, "   file skip 1 every bodies::body::body using ((old = -1e9), phi" // vector // &
+      call put(file, "   file skip 1 every bodies::body::body using ((old = -1e9), phi" // &
+         vector // &
                "):(theta" // vector // ") with points pt 7 ps 1 lc rgb '" // dark // "'", error)
       call put_lines(file, [character(60) :: "unset multiplot", &
                             "unset xlabel; unset ylabel; set yrange [*:*] noreverse"], error)
       call put_end(file, error)
       call finish_out(file, error)
    end subroutine write_nutation
+
+   !> Angle of the followed axis from the vertical against time, a curve for each of few bodies.
+   subroutine write_tilt(scene, path, error)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: path
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      integer :: n
+      n = min(written_bodies(scene), 3)
+      call open_out(path, file, error)
+      if (raised(error)) return
+      call put_start(scene, file, "tilt", 720, 400, error)
+      call put_columns(file, error)
+      call put_axis(scene, file, error)
+      call put_lines(file, [character(120) :: &
+         "theta(x,y,z) = atan2(sqrt(x*x + y*y), z)*180/pi", &
+         "look(i) = i == 0 ? '#1f3f66' : i == 1 ? '#8a8a8a' : '#b4c2d2'", &
+         "unset key; set border 3; set tics nomirror out; set rmargin 9", &
+         "set xlabel 't'; set ylabel 'tilt of the axis (degrees)'", &
+         "set autoscale xfix; set yrange [0:*]"], error)
+      call put(file, "do for [i=0:" // text_of(n - 1) // &
+         "] { stats file skip 1 every bodies::i using " // &
+               "(last = theta(n1" // row // ",n2" // row // ",n3" // row // ")) nooutput; " // &
+               "set label i+1 sprintf('body %d', i+1) at graph 1.01, first last " // &
+               "tc rgb look(i) }", error)
+      call put(file, "plot for [i=0:" // text_of(n - 1) // &
+         "] file skip 1 every bodies::i using " // &
+               "1:(theta(n1" // row // ",n2" // row // ",n3" // row // &
+                  ")) with lines lw 1.6 lc rgb look(i)", &
+               error)
+      call put_end(file, error)
+      call finish_out(file, error)
+   end subroutine write_tilt
 
    !> Angle of the followed axis about z against time, in a frame that may turn; of many bodies each
    !> in a lane of its own.
@@ -108,18 +147,26 @@ contains
          "turned(p) = (old = (old > -1e8 ? old + jump(p - old) : jump(p)))", &
          "angle(t,x,y,z) = x == 0 && y == 0 ? NaN : turned((atan2(y, x) - rate*t)*180/pi)", &
          "unset key; set border 3; set tics nomirror out", &
-         "set xlabel 't'; set xrange [*:*]"], error)
+         "set xlabel 't'; set autoscale xfix"], error)
       if (n <= 2) then
-         call put(file, "set ylabel 'angle of the axis (degrees)'", error)
+         call put(file, "set ylabel 'angle of the axis (degrees)'; set rmargin 9", error)
          call put(file, "set zeroaxis lc rgb '#c8c8c8'", error)
-         call put(file, "plot for [i=0:" // text_of(n - 1) // "] file skip 1 every bodies::i using " // &
-                  "($0 == 0 ? (old = -1e9) : 0, $1):(angle($1,n1" // row // ",n2" // row // ",n3" // &
-                  row // ")) with lines lc rgb (i == 0 ? '" // dark // "' : '" // pale // &
-                  "') lw 1.6", error)
+         if (n == 2) then
+            call put(file, "do for [i=0:1] { old = -1e9; stats file skip 1 every " // &
+               "bodies::i using (last = angle($1,n1" // row // ",n2" // row // ",n3" // row // &
+               ")) nooutput; set label i+1 sprintf('body %d', i+1) at graph 1.01, first last " // &
+               "tc rgb (i == 0 ? '#1f3f66' : '#8a8a8a') }", error)
+         end if
+         call put(file, "plot for [i=0:" // text_of(n - 1) // &
+            "] file skip 1 every bodies::i using " // &
+                  "($0 == 0 ? (old = -1e9) : 0, $1):(angle($1,n1" // row // ",n2" // row // &
+                     ",n3" // &
+                  row // ")) with lines lc rgb (i == 0 ? '" // dark // &
+                  "' : '#8a8a8a') lw 1.6", error)
       else
          call put(file, "lanes = " // text_of(n), error)
          call put_lines(file, [character(160) :: &
-            "m = 1", &
+            "m = 1; set yrange [*:*]", &
             "do for [i=0:lanes-1] { old = -1e9; stats file skip 1 every bodies::i using " // &
             "(angle($1,n1($3,$4,$5,$6),n2($3,$4,$5,$6),n3($3,$4,$5,$6))) name 'A' nooutput; \", &
             "   m = abs(A_max) > m ? abs(A_max) : m; m = abs(A_min) > m ? abs(A_min) : m }", &
@@ -127,7 +174,8 @@ contains
             "set yrange [lanes+0.6:0.4]; set ytics 1"], error)
          call put(file, "plot for [i=0:lanes-1] i+1 with lines lc rgb '#dddddd' lw 0.8, " // &
                   "for [i=0:lanes-1] file skip 1 every bodies::i using " // &
-                  "($0 == 0 ? (old = -1e9) : 0, $1):(i + 1 - 0.46/m*angle($1,n1" // row // ",n2" // &
+                  "($0 == 0 ? (old = -1e9) : 0, $1):(i + 1 - 0.46/m*angle($1,n1" // row // &
+                     ",n2" // &
                   row // ",n3" // row // ")) with lines lc rgb '" // dark // "' lw 1.4", error)
       end if
       call put_end(file, error)

@@ -70,12 +70,14 @@ contains
       else if (length > 0) then
          allocate (character(length) :: text, stat=code)
          if (code == 0) read (unit, iostat=code, iomsg=reason) text
-         if (code /= 0) call raise(error, poinsot_e_io, file // ": cannot be read: " // &
-                                   trim(reason))
+         if (code /= 0) then
+            call raise(error, poinsot_e_io, file // ": cannot be read: " // &
+               trim(reason))
+         end if
       else
          call load_slowly(unit, text, error, file)
       end if
-      close (unit, iostat=code)
+      close (unit)
    end subroutine load
 
    !> Files without a size (pipes, /proc, /dev): byte by byte to the end.
@@ -129,15 +131,17 @@ contains
          if (here%at > len(here%text)) exit
          if (here%text(here%at:here%at) /= "&") then
             call refuse(error, file, here%line, quoted(word_at(here)) // " stands outside of " // &
-                        "a group; a group begins with &name and ends with /, a comment begins with !")
+                        "a group; a group begins with &name and ends with /, a comment with !")
             return
          end if
          call scan_group(here, group, error)
          if (.not. raised(error)) call append(source, group)
       end do
       if (raised(error)) return
-      if (source%count == 0) call refuse(error, file, 0, &
-                                         "holds no group; a scene has at least &scene and &bodies")
+      if (source%count == 0) then
+         call refuse(error, file, 0, &
+            "holds no group; a scene has at least &scene and &bodies")
+      end if
    end subroutine scan_source
 
    !> One line end for all systems, no byte-order mark; a control byte says that this is no text.
@@ -392,8 +396,10 @@ contains
                        error)
          return
       end if
-      if (length > 0) call classify(here, here%text(here%at:here%at + length - 1), group, entry, &
-                                    value, error)
+      if (length > 0) then
+         call classify(here, here%text(here%at:here%at + length - 1), group, entry, &
+            value, error)
+      end if
       if (raised(error)) return
       value%repeats = max(value%repeats, 1)
       here%at = here%at + length
@@ -487,8 +493,8 @@ contains
       end if
    end subroutine classify
 
-   !> Values as the command line gives them (`--set group.key=values`): apart by commas, strings with
-   !> or without quotes.
+   !> Values as the command line gives them (`--set group.key=values`): apart by commas, strings
+   !> with or without quotes.
    subroutine scan_values(text, file, group, entry, error)
       character(*), intent(in) :: text    !! what stands behind the equals sign
       character(*), intent(in) :: file    !! for messages
@@ -515,8 +521,9 @@ contains
          last = index(here%text(first:), ",") + first - 2
          if (last < first - 1) last = len(here%text)
          value = scene_value()
-         if (len_trim(here%text(first:last)) > 0) &
+         if (len_trim(here%text(first:last)) > 0) then
             call classify(here, trim(adjustl(here%text(first:last))), group, entry, value, error)
+         end if
          if (raised(error)) return
          call append(entry, value)
          first = last + 2

@@ -11,10 +11,11 @@ module poinsot_scene_restart
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    implicit none(type, external)
    private
-   public :: restart_state, write_restart, read_restart
+   public :: restart_state, write_restart, read_restart, sum_of_kinds
 
    integer, parameter :: version = 1
    character(*), parameter :: magic = "poinsot-restart"
+   integer, parameter :: head_lines = 9          !! before the first body
    integer, parameter :: numbers_of_body = 14    !! y, q, carry
 
    !> What a run needs to go on.
@@ -24,6 +25,8 @@ module poinsot_scene_restart
       real(dp) :: h = 0                    !! step of the scene, 0 = none
       integer(i8) :: step = 0              !! steps taken since t = 0
       integer(i8) :: seed = 0
+      integer(i8) :: kinds = 0             !! `sum_of_kinds`: a continuation must be of the same
+                                           !! bodies
       real(dp), allocatable :: y(:, :)     !! (3, n): principal frame
       real(dp), allocatable :: q(:, :)     !! (4, n)
       real(dp), allocatable :: carry(:, :) !! (7, n)
@@ -39,7 +42,6 @@ contains
       type(out_file) :: file
       integer(i8) :: total
       integer :: i
-      character(16) :: last
       call open_out(path, file, error)
       if (raised(error)) return
       call put(file, magic // " " // text_of(version), error)
@@ -49,6 +51,7 @@ contains
       call put(file, "h " // hex([state%h]) // "  " // text_of(state%h), error)
       call put(file, "step " // text_of(state%step), error)
       call put(file, "seed " // text_of(state%seed), error)
+      call put(file, "kinds " // digits_of(state%kinds), error)
       call put(file, "bodies " // text_of(size(state%y, 2)), error)
       total = start_sum(state)
       do i = 1, size(state%y, 2)
@@ -56,8 +59,7 @@ contains
          call add_to_sum(total, [state%y(:, i), state%q(:, i), state%carry(:, i)])
          if (raised(error)) exit
       end do
-      write (last, "(z16.16)") total
-      call put(file, "end " // last, error)
+      call put(file, "end " // digits_of(total), error)
       call finish_out(file, error)
    end subroutine write_restart
 
@@ -74,6 +76,25 @@ contains
          text = text // digits(:16)
       end do
    end function hex
+
+   !> 16 hexadecimal digits.
+   pure function digits_of(bits) result(text)
+      integer(i8), intent(in) :: bits
+      character(16) :: text
+      write (text, "(z16.16)") bits
+   end function digits_of
+
+   !> A number that tells bodies of other moments or in other groups apart.
+   pure integer(i8) function sum_of_kinds(counts, moments) result(total)
+      integer(i8), intent(in) :: counts(:)   !! (groups)
+      real(dp), intent(in) :: moments(:, :)  !! (3, groups)
+      integer :: i
+      total = 0
+      do i = 1, size(counts)
+         total = ieor(ishftc(total, 9), counts(i))
+         call add_to_sum(total, moments(:, i))
+      end do
+   end function sum_of_kinds
 
    !> A sum over bits that sees exchanged and changed numbers; no integer overflow.
    pure subroutine add_to_sum(total, values)
@@ -93,9 +114,10 @@ contains
 
    !> Read a restart file. Error: POINSOT_E_IO if it cannot be read, POINSOT_E_SCENE if it is none,
    !> of another version, truncated, changed, or of another number of bodies.
-   subroutine read_restart(path, bodies, state, error)
+   subroutine read_restart(path, bodies, kinds, state, error)
       character(*), intent(in) :: path
       integer(i8), intent(in) :: bodies           !! how many the scene has
+      integer(i8), intent(in) :: kinds            !! their `sum_of_kinds`
       type(restart_state), intent(out) :: state
       type(poinsot_error), intent(inout) :: error
       integer :: unit, code
@@ -105,26 +127,27 @@ contains
          call raise(error, poinsot_e_io, path // ": cannot be opened: " // trim(reason))
          return
       end if
-      call read_head(unit, path, bodies, state, error)
+      call read_head(unit, path, bodies, kinds, state, error)
       if (.not. raised(error)) call read_bodies(unit, path, int(bodies), state, error)
-      close (unit, iostat=code)
+      close (unit)
    end subroutine read_restart
 
    !> Everything before the bodies.
-   subroutine read_head(unit, path, bodies, state, error)
+   subroutine read_head(unit, path, bodies, kinds, state, error)
       integer, intent(in) :: unit
       character(*), intent(in) :: path
-      integer(i8), intent(in) :: bodies
+      integer(i8), intent(in) :: bodies, kinds
       type(restart_state), intent(inout) :: state
       type(poinsot_error), intent(inout) :: error
-      character(:), allocatable :: word
+      character(:), allocatable :: word, told
       integer(i8) :: number
       integer :: line
       line = 0
       call next(unit, path, magic, line, word, error)
       if (raised(error)) return
       if (word /= text_of(version)) then
-         call bad(path, line, "is of version " // quoted(word) // "; this program reads version " // &
+         call bad(path, line, "is of version " // quoted(word) // &
+            "; this program reads version " // &
                   text_of(version), error)
          return
       end if
@@ -138,11 +161,18 @@ contains
       call one_integer(path, line, word, state%step, error)
       call next(unit, path, "seed", line, word, error)
       call one_integer(path, line, word, state%seed, error)
+      call next(unit, path, "kinds", line, told, error)
       call next(unit, path, "bodies", line, word, error)
       call one_integer(path, line, word, number, error)
       if (raised(error)) return
-      if (number /= bodies) call bad(path, line, "is of " // text_of(number) // &
-                                     " bodies, the scene has " // text_of(bodies), error)
+      if (number /= bodies) then
+         call bad(path, line, "is of " // text_of(number) // " bodies, the scene has " // &
+                  text_of(bodies), error)
+      else if (told /= digits_of(kinds)) then
+         call bad(path, line - 1, &
+            "is of bodies with other moments, or in other groups, than the " // &
+                  "scene's", error)
+      end if
    end subroutine read_head
 
    !> The first word behind the key of the next line.
@@ -162,7 +192,8 @@ contains
          call bad(path, line, "the file ends where """ // key // """ is expected", error)
       else if (text(:len(key) + 1) /= key // " ") then
          call bad(path, line, "begins with " // quoted(trim(text(:min(40, len(text))))) // &
-                  " where """ // key // """ is expected: not a restart file, or a damaged one", error)
+                  " where """ // key // """ is expected: not a restart file, or a damaged one", &
+                     error)
       else
          word = trim(adjustl(text(len(key) + 2:)))
          if (index(word, " ") > 0) word = word(:index(word, " ") - 1)
@@ -225,19 +256,20 @@ contains
       type(poinsot_error), intent(inout) :: error
       character(17*numbers_of_body + 8) :: text
       character(:), allocatable :: word
-      character(16) :: told
       real(dp) :: values(numbers_of_body)
       integer(i8) :: total
       integer :: i, code, line
       logical :: good
-      allocate (state%y(3, n), state%q(4, n), state%carry(7, n), stat=code)
+      allocate (state%y(3, n), stat=code)
+      if (code == 0) allocate (state%q(4, n), stat=code)
+      if (code == 0) allocate (state%carry(7, n), stat=code)
       if (code /= 0) then
          call raise(error, poinsot_e_memory, path // ": no memory for " // text_of(n) // " bodies")
          return
       end if
       total = start_sum(state)
       do i = 1, n
-         line = 8 + i
+         line = head_lines + i
          read (unit, "(a)", iostat=code) text
          good = code == 0
          if (good) call from_hex(trim(text), values, good)
@@ -254,12 +286,14 @@ contains
          state%carry(:, i) = values(8:14)
          call add_to_sum(total, values)
       end do
-      line = 8 + n
+      line = head_lines + n
       call next(unit, path, "end", line, word, error)
       if (raised(error)) return
-      write (told, "(z16.16)") total
-      if (word /= told) call bad(path, line, "the sum at the end is not that of the numbers: " // &
-                               "the file was changed or damaged", error)
+      if (word /= digits_of(total)) then
+         call bad(path, line, &
+            "the sum at the end is not that of the numbers: " // &
+            "the file was changed or damaged", error)
+      end if
    end subroutine read_bodies
 
    subroutine bad(path, line, message, error)

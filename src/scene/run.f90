@@ -11,7 +11,8 @@ module poinsot_scene_run
    use poinsot_scene_drift, only: start_drift, follow_drift
    use poinsot_scene_files, only: make_folder, remove_file, file_exists
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
-   use poinsot_scene_restart, only: restart_state, write_restart, read_restart
+   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, &
+      sum_of_kinds
    use poinsot_scene_summary, only: run_report, write_summary
    use poinsot_scene_compare, only: compare_end
    use poinsot_scene_pictures, only: write_pictures, picture_files
@@ -20,7 +21,8 @@ module poinsot_scene_run
    private
    public :: run_scene, check_scene
 
-   real(dp), parameter :: chunk = 2e6_dp !! body-steps between two looks at the watch
+   real(dp), parameter :: first_chunk = 1e5_dp  !! body-steps before the first look at the watch
+   real(dp), parameter :: short = 0.05_dp, long = 0.4_dp !! seconds between two looks
    real(dp), parameter :: near = 1e-12_dp
 
    !> Everything a run holds.
@@ -38,8 +40,8 @@ contains
 
    !> Run a scene and write its files into the folder `out`, which is made if it is not there.
    !> Errors: POINSOT_E_IO, POINSOT_E_MEMORY, POINSOT_E_SCENE (restart file), POINSOT_E_PARTIAL and
-   !> others of the engine (numerical failure). After every error but a failing disk the summary says
-   !> that the run is not complete.
+   !> others of the engine (numerical failure). After every error but a failing disk the summary
+   !> says that the run is not complete.
    subroutine run_scene(scene, out, watch, report, error)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out              !! folder for the output
@@ -56,6 +58,8 @@ contains
       call prepare(scene, out, run, report, error)
       if (raised(error)) return
       call march(scene, run, watch, report, error)
+      ! a file that could not be written keeps its .part
+      if (error%code == poinsot_e_io) closing = error
       call finish_frames(run%frames, closing)
       report%t = run%t
       report%all = wall_clock() - begun
@@ -73,8 +77,11 @@ contains
       end if
       call clear(closing)
       if (.not. raised(error)) call save_restart(scene, out, run, report, closing)
-      if (.not. raised(closing)) call write_summary(out // "/summary.txt", scene, report, run%states, &
-                                                    closing)
+      if (.not. raised(closing)) then
+         call write_summary(out // "/summary.txt", scene, report, &
+            run%states, &
+            closing)
+      end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
    end subroutine run_scene
@@ -101,7 +108,8 @@ contains
       if (.not. raised(error)) call start_engine(scene, run%engine, error)
       if (.not. raised(error)) call continue_from(scene, out, run, report, error)
       if (raised(error)) return
-      allocate (run%kinetic(run%states%n), run%potential(run%states%n), stat=code)
+      allocate (run%kinetic(run%states%n), stat=code)
+      if (code == 0) allocate (run%potential(run%states%n), stat=code)
       if (code == 0 .and. body_total(scene) <= 1000) run%begin = run%states
       if (code == 0) then
          call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
@@ -155,11 +163,12 @@ contains
       type(restart_state) :: saved
       if (len(scene%from) == 0) return
       if (index(scene%from, out // "/") == 1 .and. index(scene%from(len(out) + 2:), "/") == 0) then
-         call raise(error, poinsot_e_scene, scene%from // ": lies in the output folder, and the run " // &
+         call raise(error, poinsot_e_scene, scene%from // &
+            ": lies in the output folder, and the run " // &
                     "would overwrite what it continues; choose another --out")
          return
       end if
-      call read_restart(scene%from, body_total(scene), saved, error)
+      call read_restart(scene%from, body_total(scene), kinds_of(scene), saved, error)
       if (raised(error)) return
       if (saved%t >= scene%t_end) then
          call raise(error, poinsot_e_scene, scene%from // ": is at t = " // text_of(saved%t) // &
@@ -248,15 +257,20 @@ contains
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       integer(i8) :: steps, most
-      real(dp) :: begun
-      most = max(1_i8, int(chunk/real(body_total(scene), dp), i8))
+      real(dp) :: begun, origin
+      origin = part%from - real(run%step - done, dp)*part%h
+      most = max(1_i8, int(first_chunk/real(body_total(scene), dp), i8))
       do while (done < part%steps)
          run%stopped = watch%stop_now()
          if (run%stopped) return
          steps = min(most, part%steps - done)
          begun = wall_clock()
-         call engine_step(run%engine, run%states, time_in(part, done), part%h, run%step, steps, error)
-         report%stepping = report%stepping + wall_clock() - begun
+         call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error)
+         begun = wall_clock() - begun
+         report%stepping = report%stepping + begun
+         ! bits do not depend on where calls end
+         if (begun < short .and. steps == most) most = 2*most
+         if (begun > long) most = max(1_i8, most/2)
          if (raised(error)) return
          done = done + steps
          run%step = run%step + steps
@@ -295,11 +309,25 @@ contains
       saved%h = scene%h
       saved%step = run%step
       saved%seed = scene%seed
+      saved%kinds = kinds_of(scene)
       saved%y = run%states%y
       saved%q = run%states%q
       saved%carry = run%states%carry
       call write_restart(out // "/" // scene%output%restart, saved, error)
    end subroutine save_restart
+
+   !> What tells this scene's bodies from others.
+   pure integer(i8) function kinds_of(scene)
+      type(scene_settings), intent(in) :: scene
+      real(dp) :: moments(3, size(scene%bodies))
+      integer(i8) :: counts(size(scene%bodies))
+      integer :: i
+      do i = 1, size(scene%bodies)
+         counts(i) = scene%bodies(i)%count
+         moments(:, i) = scene%bodies(i)%moments
+      end do
+      kinds_of = sum_of_kinds(counts, moments)
+   end function kinds_of
 
    !> Seconds on some clock.
    real(dp) function wall_clock()

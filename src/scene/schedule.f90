@@ -1,6 +1,6 @@
 !> When a scene steps and when it writes. The run is cut at its output times; each piece is cut into
-!> equal steps no longer than h. Everything is a function of the piece's number, never of history, so
-!> that a run continued from a restart takes the very same steps.
+!> equal steps no longer than h. Everything is a function of the piece's number, never of history,
+!> so that a run continued from a restart takes the very same steps.
 module poinsot_scene_schedule
    use poinsot_core_kinds, only: dp, i8
    use poinsot_scene_settings, only: scene_settings
@@ -8,7 +8,8 @@ module poinsot_scene_schedule
    private
    public :: piece, piece_count, get_piece, step_total, output_count
 
-   real(dp), parameter :: near = 1e-10_dp !! two times or lengths this near, relatively, are the same
+   real(dp), parameter :: near = 1e-10_dp !! two times or lengths this near, relatively, are the
+                                          !! same
 
    !> From one output (or the start) to the next (or the end).
    type :: piece
@@ -85,7 +86,7 @@ contains
    !> Steps of the whole run, as a real: an absurd h must not overflow.
    pure real(dp) function step_total(scene) result(steps)
       type(scene_settings), intent(in) :: scene
-      steps = output_count(scene)
+      steps = max(output_count(scene) - 1, 1.0_dp)
       if (scene%h > 0) steps = max(steps, scene%t_end/scene%h)
    end function step_total
 

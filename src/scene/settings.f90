@@ -34,13 +34,14 @@ module poinsot_scene_settings
 
    !> &output
    type :: output_settings
-      logical :: present = .false.            !! without the group nothing but the summary is written
+      logical :: present = .false.            !! without the group nothing but the summary is
+                                              !! written
       real(dp) :: every = 0                   !! time between outputs; 0 = use `times`
       real(dp), allocatable :: times(:)       !! output times, ascending
       integer(i8), allocatable :: bodies(:)   !! numbers of the bodies written; size 0 = all
       logical :: csv = .true., extxyz = .false.
       character(:), allocatable :: restart    !! name of the restart file, "" = none
-      character(:), allocatable :: pictures   !! none, body, top, angle, ensemble
+      character(:), allocatable :: pictures   !! none, body, top, tilt, angle, ensemble
       real(dp) :: axis(3) = [0, 0, 1]         !! body axis that pictures follow
       real(dp) :: rate = 0                    !! turning of the frame that `angle` is seen from
    end type output_settings

@@ -8,8 +8,11 @@ module poinsot_scene_source
    private
    public :: scene_value, scene_entry, scene_group, scene_source
    public :: value_null, value_number, value_logical, value_text
+   public :: from_option
    public :: append, place, refuse, find_group
 
+   integer, parameter :: from_option = -1 !! line of what stands on the command line, not in the
+                                          !! file
    integer, parameter :: value_null = 0, value_number = 1, value_logical = 2, value_text = 3
 
    !> One value as written, `repeats` times (Fortran's `3*0.0`; a null value leaves the default).
@@ -112,13 +115,15 @@ contains
       end do
    end function find_group
 
-   !> "file:line: " for a message; without a line (0) "file: ".
+   !> "file:line: " for a message; without a line (0) "file: "; of the command line (from_option)
+   !> "--set (over file): ".
    pure function place(file, line) result(text)
       character(*), intent(in) :: file
       integer, intent(in) :: line
       character(:), allocatable :: text
       text = file // ": "
       if (line > 0) text = file // ":" // text_of(line) // ": "
+      if (line == from_option) text = "--set (over " // file // "): "
    end function place
 
    !> Raise POINSOT_E_SCENE with the place in front.

@@ -1,4 +1,5 @@
-!> The bodies of a run as plain arrays: where they begin, and how they look in the scene's own frame.
+!> The bodies of a run as plain arrays: where they begin, and how they look in the scene's own
+!> frame.
 module poinsot_scene_states
    use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_core_kinds, only: dp, i4, i8
@@ -33,8 +34,11 @@ contains
       type(poinsot_error), intent(inout) :: error
       integer :: i, n, code, last
       n = int(body_total(scene))
-      allocate (states%group(n), states%y(3, n), states%q(4, n), states%carry(7, n), &
-                states%status(n), stat=code)
+      allocate (states%y(3, n), stat=code)
+      if (code == 0) allocate (states%q(4, n), stat=code)
+      if (code == 0) allocate (states%carry(7, n), stat=code)
+      if (code == 0) allocate (states%group(n), stat=code)
+      if (code == 0) allocate (states%status(n), stat=code)
       if (code /= 0) then
          call raise(error, poinsot_e_memory, scene%file // ": no memory for " // text_of(n) // &
                     " bodies")

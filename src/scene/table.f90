@@ -53,7 +53,7 @@ contains
          n = n + 1
          room(:, n) = row
       end do
-      close (unit, iostat=code)
+      close (unit)
       times = room(1, :n)
       values = reshape(room(2:, :n), [columns*n])
       if (n == 0 .and. .not. raised(error)) call refuse(error, file, 0, "holds no rows of numbers")
@@ -84,9 +84,11 @@ contains
          end if
          rest = rest(length + 1:)
       end do
-      if (k <= size(row) .or. verify(rest, blanks) > 0) &
-         call refuse(error, file, line, "a row has " // text_of(size(row)) // " numbers: a time and " // &
-                     text_of(size(row) - 1) // " values")
+      if (k <= size(row) .or. verify(rest, blanks) > 0) then
+         call refuse(error, file, line, "a row has " // text_of(size(row)) // &
+            " numbers: a time and " // &
+            text_of(size(row) - 1) // " values")
+      end if
    end subroutine read_row
 
 end module poinsot_scene_table

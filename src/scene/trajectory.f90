@@ -100,7 +100,8 @@ contains
       character(400) :: numbers
       integer :: i
       call put(file, text_of(size(bodies)), error)
-      call put(file, "Properties=id:I:1:species:S:1:pos:R:3:orientation:R:4:aspherical_shape:R:3" // &
+      call put(file, &
+         "Properties=id:I:1:species:S:1:pos:R:3:orientation:R:4:aspherical_shape:R:3" // &
                ":angular_momentum:R:3:energy:R:1 Time=" // text_of(t) // " pbc=""F F F""", error)
       do i = 1, size(bodies)
          write (numbers, "(14(1x, es24.16e3))") position(:, i), q(2:4, i), q(1, i), shape(:, i), &

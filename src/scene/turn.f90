@@ -15,7 +15,8 @@ contains
       any_turned = any(scene%bodies%turned)
    end function any_turned
 
-   !> Which keys of an effect are vectors in the body frame, three numbers for each; "" ends the list.
+   !> Which keys of an effect are vectors in the body frame, three numbers for each; "" ends the
+   !> list.
    pure function body_vector_keys(effect) result(keys)
       character(*), intent(in) :: effect !! its name
       character(8) :: keys(2)
@@ -31,11 +32,14 @@ contains
          keys(1) = "rotor"
       case ("torque")
          keys = [character(8) :: "value", "table"]
+      case default
+         continue ! no vectors in the body frame
       end select
    end function body_vector_keys
 
-   !> The effect for one class alone, its body vectors in the principal frame; without settings if it
-   !> does not act on that class. Dipoles, which couple classes, are turned as a whole with class 1.
+   !> The effect for one class alone, its body vectors in the principal frame; without settings if
+   !> it does not act on that class. Dipoles, which couple classes, are turned as a whole with class
+   !> 1.
    subroutine turn_effect(scene, item, class, turned)
       type(scene_settings), intent(in) :: scene
       type(effect_setting), intent(in) :: item
@@ -56,8 +60,9 @@ contains
          end if
          n = n + 1
          turned%settings(n) = item%settings(i)
-         if (item%name == "torque" .and. item%settings(i)%key == "frame") &
+         if (item%name == "torque" .and. item%settings(i)%key == "frame") then
             in_space = item%settings(i)%text == "space"
+         end if
       end do
       if (wanted > 0 .and. wanted /= class .or. item%name == "dipoles" .and. class > 1) then
          turned%settings = turned%settings(:0)

@@ -45,9 +45,10 @@ contains
       do i = 1, group%count
          k = find_key(info, group%entries(i)%key)
          if (k == 0) then
-            call refuse(error, file, group%entries(i)%line, "&" // group%name // ": unknown key " // &
+            call refuse(error, file, group%entries(i)%line, "&" // group%name // &
+               ": unknown key " // &
                         quoted(group%entries(i)%key) // "; the nearest known key is """ // &
-                        nearest_name(group%entries(i)%key, info%keys%name) // """")
+                        nearest_key(info, group%entries(i)%key) // """")
             return
          end if
          here = 0
@@ -223,6 +224,18 @@ contains
       text = text // " number"
       if (key%most /= 1) text = text // "s"
    end function count_text
+
+   pure function nearest_key(info, name) result(nearest)
+      type(effect_info), intent(in) :: info
+      character(*), intent(in) :: name
+      character(:), allocatable :: nearest
+      character(len(info%keys%name)) :: names(size(info%keys))
+      integer :: k
+      do k = 1, size(names)
+         names(k) = info%keys(k)%name
+      end do
+      nearest = nearest_name(name, names)
+   end function nearest_key
 
    pure integer function find_key(info, name) result(k)
       type(effect_info), intent(in) :: info
