@@ -5,7 +5,7 @@
 # divisions and square roots (vector or scalar), the rest. A region with several steps is followed by the difference to the one with
 # one step: kind "step". With functions=1: region, function, instructions and scalar arithmetic per body-step.
 
-BEGIN { FS = "[ \t]+" }
+BEGIN { FS = "[ \t]+"; regions = 0 }
 
 FNR == 1 { file++ }
 
