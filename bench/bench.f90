@@ -1,4 +1,5 @@
-!> The table of `make bench`: what a step of every method costs and how wrong it is, beside what other codes do, in one run.
+!> The table of `make bench`: what a step of every method costs and how wrong it is, beside what
+!> other codes do, in one run.
 !>
 !> usage: bench [--quick] FOLDER         FOLDER gets times.csv and errors.csv
 program bench
@@ -16,14 +17,17 @@ program bench
 
    real(dp), parameter :: moments(3) = [0.376_dp, 0.627_dp, 1.0_dp] !! the body of the review
    real(dp), parameter :: t_end = 10                !! time at which errors are taken
-   integer, parameter :: run_steps(4) = [266, 133, 100, 54] !! up to t_end: h |omega| <= 0.1, 0.2, 0.27 (h = 0.1), 0.5
+   ! up to t_end: h |omega| <= 0.1, 0.2, 0.27 (h = 0.1), 0.5
+   integer, parameter :: run_steps(4) = [266, 133, 100, 54]
    integer, parameter :: timed(3) = [1, 2, 4]       !! which of them are timed
-   integer, parameter :: in_cache = 512             !! bodies whose state stays in the first-level cache
+   ! bodies whose state stays in the first-level cache
+   integer, parameter :: in_cache = 512
    integer, parameter :: many = 100                 !! "many steps per call"
    type(body_class) :: class
    type(poinsot_error) :: error
    type(yardstick) :: rivals(7)
-   real(dp), allocatable :: wrong(:, :)             !! errors: methods then rivals; steps of run_steps
+   ! errors: methods then rivals; steps of run_steps
+   real(dp), allocatable :: wrong(:, :)
    real(dp), allocatable :: fast(:, :)              !! medians of the first table, the same way
    real(dp) :: seconds                              !! for each table
    logical :: quick
@@ -39,7 +43,8 @@ program bench
       "ns_median,ns_minimum,spread"
    open (newunit=errors, file=trim(folder)//"/errors.csv", action="write")
    write (errors, "(a)") "name,order,h,h_omega,attitude_error_largest,attitude_error_median"
-   print "(a, f5.2, a)", "clock in use: about ", clock_rate(6364136223846793005_i8, int(command_argument_count(), i8)), " GHz"
+   print "(a, f5.2, a)", "clock in use: about ", clock_rate(6364136223846793005_i8, &
+      int(command_argument_count(), i8)), " GHz"
    call error_table()
    call step_table()
    call memory_table()
@@ -110,7 +115,8 @@ contains
             wrong(i, k) = maxval(off)
             if (one%failed) wrong(i, k) = -1
             if (one%failed) cycle
-            write (errors, "(a, ',', i0, 4(',', es11.4))") trim(name_of(i)), order_of(i), step_of(k), &
+            write (errors, "(a, ',', i0, 4(',', es11.4))") trim(name_of(i)), order_of(i), &
+               step_of(k), &
                phase_of(k), maxval(off), middle(off)
          end do
       end do
@@ -196,8 +202,10 @@ contains
       do i = 1, size(tasks)
          associate (one => tasks(i)%it)
             if (one%failed) cycle
-            write (times, "(a, ',', a, ',', i0, ',', a, 3(',', i0), 4(',', f0.4))") trim(one%section), &
-               trim(one%name), one%order, trim(one%layout), one%n, one%steps, one%threads, one%phase, &
+            write (times, "(a, ',', a, ',', i0, ',', a, 3(',', i0), 4(',', f0.4))") &
+               trim(one%section), &
+               trim(one%name), one%order, trim(one%layout), one%n, one%steps, one%threads, &
+                  one%phase, &
                median(one), minimum(one), spread_of(one)
          end associate
       end do
@@ -206,9 +214,13 @@ contains
    !> "median (minimum)"
    function shown(item) result(text)
       type(task_item), intent(in) :: item
-      character(17) :: text
-      text = "        -        "
-      if (.not. item%it%failed) write (text, "(f8.2, ' (', f6.2, ')')") median(item%it), minimum(item%it)
+      character(20) :: text
+      character(16) :: least
+      text = "        -"
+      if (item%it%failed) return
+      write (least, "(f0.2)") minimum(item%it)
+      write (text(1:9), "(f9.2)") median(item%it)
+      text(10:) = " ("//trim(least)//")"
    end function shown
 
    function shown_error(x) result(text)
@@ -247,28 +259,31 @@ contains
       end do
       call measure(tasks, merge(5, 25, quick), 3*seconds)
       call record(tasks)
-      print "(/, a, i0, a, i0, a)", "1. ns per body-step, median (minimum): ", many, " steps per call, ", in_cache, &
+      print "(/, a, i0, a, i0, a)", "1. ns per body-step, median (minimum): ", many, &
+         " steps per call, ", in_cache, &
          " bodies, one thread;"
       print "(a)", "   attitude error |q - q'| at T = 10, largest over random |y| = 1"
-      print "(/, 26x, 4a)", "  |  h|omega| <= 0.1", "         <= 0.2", "            <= 0.5", &
+      print "(/, 26x, 4a)", "  |  h|omega| <= 0.1", "           <= 0.2", "            <= 0.5", &
          "     |  error  0.1      0.2      0.5"
       do i = 1, all
          if (i == methods + 1) print "(a)", "what others do"
          k = (i - 1)*size(timed)
          fast(i, :) = [(median(tasks(k + j)%it), j=1, size(timed))]
          if (tasks(k + 1)%it%failed) fast(i, :) = -1
-         print "(a, '|', 3a, ' |  ', 3(a, ' '))", head(i), (shown(tasks(k + j)), j=1, size(timed)), &
+         print "(a, '|', 3a, ' |  ', 3(a, ' '))", head(i), (shown(tasks(k + j)), j=1, &
+            size(timed)), &
             (shown_error(wrong(i, timed(j))), j=1, size(timed))
       end do
    end subroutine step_table
 
    !> One step per call through memory, the arrays of several hosts.
    subroutine memory_table()
-      character(8), parameter :: layouts(5) = [character(8) :: "rows", "columns", "lammps", "dl_poly", "hoomd"]
+      character(8), parameter :: layouts(5) = [character(8) :: "rows", "columns", "lammps", &
+         "dl_poly", "hoomd"]
       character(20), parameter :: brief(4) = [character(20) :: "exact", "dmv2", "dmv6", "dmv10"]
       type(task_item), allocatable :: tasks(:)
       type(poinsot_plan), allocatable, target :: plans(:)
-      character(17) :: cells(methods, size(layouts))
+      character(20) :: cells(methods, size(layouts))
       integer :: i, k, n, chosen(methods), count_of
       n = merge(200000, 1000000, quick)
       count_of = 0
@@ -288,7 +303,7 @@ contains
       end do
       print "(/, a, i0, a)", "2. ns per body-step, median (minimum): one step per call, ", n, &
          " bodies, one thread, h|omega| <= 0.1"
-      print "(/, 28x, '|', *(a17))", layouts
+      print "(/, 28x, '|', *(5x, a8, 7x))", layouts
       do i = 1, count_of
          print "(a, '|', *(a))", head(chosen(i)), cells(i, :)
       end do
@@ -327,7 +342,8 @@ contains
       deallocate (y, q)
    end subroutine layout_tasks
 
-   !> Bodies as a host keeps them. Which momentum exactly does not matter for the time: sizes are right.
+   !> Bodies as a host keeps them. Which momentum exactly does not matter for the time: sizes are
+   !> right.
    subroutine layout_bodies(layout, n, y, q)
       character(*), intent(in) :: layout
       integer, intent(in) :: n
@@ -361,7 +377,8 @@ contains
 
    subroutine thread_table()
       integer, parameter :: n = 131072, steps = 20
-      character(20), parameter :: brief(5) = [character(20) :: "exact", "jacobi", "dmv2", "dmv10", "three-rotations"]
+      character(20), parameter :: brief(5) = [character(20) :: "exact", "jacobi", "dmv2", &
+         "dmv10", "three-rotations"]
       type(task_item), allocatable :: tasks(:)
       real(dp), allocatable, target :: y(:, :), q(:, :)
       integer :: i, k, chosen(methods), count_of
@@ -381,13 +398,16 @@ contains
       end do
       call measure(tasks, merge(5, 21, quick), seconds)
       call record(tasks)
-      print "(/, a, i0, a, i0, a)", "3. ns per body-step, median (minimum): ", n, " bodies, ", steps, &
+      print "(/, a, i0, a, i0, a)", "3. ns per body-step, median (minimum): ", n, " bodies, ", &
+         steps, &
          " steps per call, h|omega| <= 0.1"
-      print "(/, 28x, '|', 4a)", "       one thread", "      two threads", "   ratio of medians", "   of minima"
+      print "(/, 28x, '|', 4a)", "       one thread", "      two threads", "   ratio of medians", &
+         "   of minima"
       do i = 1, count_of
          associate (one => tasks(2*i - 1), two => tasks(2*i))
             if (one%it%failed) cycle
-            print "(a, '|', 2a, 2f14.2)", head(chosen(i)), shown(one), shown(two), median(one%it)/median(two%it), &
+            print "(a, '|', 2a, 2f14.2)", head(chosen(i)), shown(one), shown(two), &
+               median(one%it)/median(two%it), &
                minimum(one%it)/minimum(two%it)
          end associate
       end do
@@ -403,7 +423,8 @@ contains
       call random_bodies(y, q)
       do i = 1, all
          do k = 1, 2
-            call new_task(i, step_of(1), tasks(2*i - 2 + k), "single", "rows", merge(1000, 1, k == 1), 1)
+            call new_task(i, step_of(1), tasks(2*i - 2 + k), "single", "rows", merge(1000, 1, &
+               k == 1), 1)
             call give(tasks(2*i - 2 + k), y, q, .true.)
          end do
       end do
@@ -416,11 +437,13 @@ contains
       print "(/, 28x, '|', 2a)", "  1000 steps/call ", "  1 step per call"
       do i = 1, all
          if (i == methods + 1) print "(a)", "what others do"
+         if (index(name_of(i), "vector") > 0) cycle
          print "(a, '|', 2a)", head(i), shown(tasks(2*i - 1)), shown(tasks(2*i))
       end do
    end subroutine single_table
 
-   !> A plan without effects against the bare kernel, and each effect of the registry against that plan.
+   !> A plan without effects against the bare kernel, and each effect of the registry against that
+   !> plan.
    subroutine effect_table()
       type(task_item), allocatable :: tasks(:)
       type(poinsot_plan), allocatable, target :: plans(:)
@@ -450,15 +473,18 @@ contains
       tasks(effect_count + 1)%it%name = "bare kernel"
       call measure(tasks, merge(7, 51, quick), seconds)
       call record(tasks)
-      print "(/, a, i0, a)", "5. effects: ns per body-step with `exact` and `strang`, one kick a step, ", in_cache, &
+      print "(/, a, i0, a)", &
+         "5. effects: ns per body-step with `exact` and `strang`, one kick a step, ", in_cache, &
          " bodies, h|omega| <= 0.1"
       print "(/, 28x, '|', 2a)", "             step", "     more than without"
       print "(a28, '|', a)", "bare kernel", shown(tasks(effect_count + 1))
-      print "(a28, '|', a, f16.2, '  = ', f6.3, ' of the bare kernel (minima)')", "plan without effects", &
+      print "(a28, '|', a, f16.2, '  = ', f6.3, ' of the bare kernel (minima)')", &
+         "plan without effects", &
          shown(tasks(0)), median(tasks(0)%it) - median(tasks(effect_count + 1)%it), &
          minimum(tasks(0)%it)/minimum(tasks(effect_count + 1)%it)
       do i = 1, effect_count
-         print "(a28, '|', a, f16.2)", effect_name(i), shown(tasks(i)), median(tasks(i)%it) - median(tasks(0)%it)
+         print "(a28, '|', a, f16.2)", effect_name(i), shown(tasks(i)), &
+            median(tasks(i)%it) - median(tasks(0)%it)
       end do
    end subroutine effect_table
 
@@ -475,14 +501,16 @@ contains
       call line("exact, ns, h|omega| <= 0.1", exact(1), "<= 4")
       call line("exact, ns, h|omega| <= 0.5", exact(3), "<= 5")
       worst = maxloc(fast(3:10, 2), 1) + 2
-      call line(trim(name_of(worst))//", slowest of dmv2..dmv16, ns, <= 0.2", fast(worst, 2), "<= 7")
+      call line(trim(name_of(worst))//", slowest of dmv2..dmv16, ns, <= 0.2", fast(worst, 2), &
+         "<= 7")
       i = rival_number("no-squish")
       call line("NO_SQUISH (scalar, rotation only) / exact, <= 0.1", fast(i, 1)/exact(1), ">= 20")
       i = rival_number("richardson")
       call line("Richardson (scalar, rotation only) / exact, <= 0.1", fast(i, 1)/exact(1), ">= 12")
       call line("DOP853 (vector, h = 0.1) / exact (<= 0.5), per unit time", &
                 fast(dop, 2)/step_of(3)/per_time, ">= 4")
-      print "(3x, a, es8.1, a, es8.1)", "   their errors: DOP853 ", wrong(dop, 3), ", exact ", wrong(1, 4)
+      print "(3x, a, es8.1, a, es8.1)", "   their errors: DOP853 ", wrong(dop, 3), ", exact ", &
+         wrong(1, 4)
    end subroutine verdict
 
    integer function rival_number(name)

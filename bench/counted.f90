@@ -1,5 +1,5 @@
-!> What stepper.c counts instructions of: regions between marks, one line of `regions.txt` for each: kind, name, h |omega|,
-!> body-steps.
+!> What stepper.c counts instructions of: regions between marks, one line of `regions.txt` for each:
+!> kind, name, h |omega|, body-steps.
 !>
 !> usage: counted FOLDER
 program counted
@@ -23,11 +23,13 @@ program counted
 
    real(dp), parameter :: moments(3) = [0.376_dp, 0.627_dp, 1.0_dp]
    real(dp), parameter :: phases(3) = [0.1_dp, 0.2_dp, 0.5_dp]
-   integer, parameter :: more = 3   !! steps; the difference to one step is more - 1 steps without loading and storing
+   ! steps; the difference to one step is more - 1 steps without loading and storing
+   integer, parameter :: more = 3
    type(body_class) :: class
    type(poinsot_error) :: error
    type(poinsot_plan), target :: plans(0:effect_count)
-   real(dp), target :: y0(3, lanes), q0(4, lanes), y(3, lanes), q(4, lanes), yc(lanes, 3), qc(lanes, 4)
+   integer, parameter :: n = 2*lanes !! bodies of a call: more than one block
+   real(dp), target :: y0(3, n), q0(4, n), y(3, n), q(4, n), yc(n, 3), qc(n, 4)
    character(256) :: folder
    integer :: list, i, k
 
@@ -64,16 +66,16 @@ contains
       character(*), intent(in) :: name
       real(dp), intent(in) :: phase
       type(free_method) :: method
-      real(dp) :: h
+      real(dp) :: h, yb(lanes, 3), qb(lanes, 4)
       integer :: status(lanes)
-      yc = transpose(y0)
-      qc = transpose(q0)
+      yb = transpose(y0(:, 1:lanes))
+      qb = transpose(q0(:, 1:lanes))
       status = 0
       h = phase*minval(moments)
       call find_method(name, method, error)
-      call advance(method, class, h, yc, qc, status)
+      call advance(method, class, h, yb, qb, status)
       call bench_mark()
-      call advance(method, class, h, yc, qc, status)
+      call advance(method, class, h, yb, qb, status)
       call bench_mark()
       call name_region("kernel", name, phase, lanes)
    end subroutine count_method
@@ -103,7 +105,7 @@ contains
       call bench_mark()
       call rotate_bodies(class, method, phases(1)*minval(moments), steps, view, 1, status, error)
       call bench_mark()
-      call name_region(kind, name, phases(1), steps*lanes)
+      call name_region(kind, name, phases(1), steps*n)
    end subroutine rotate_region
 
    !> A plan, one step and many.
@@ -118,9 +120,10 @@ contains
          q = q0
          call view_rows(y, q, view)
          call bench_mark()
-         call step_bodies(plan, view, 0.0_dp, phases(1)*minval(moments), 0_i8, int(steps, i8), status, error)
+         call step_bodies(plan, view, 0.0_dp, phases(1)*minval(moments), 0_i8, int(steps, i8), &
+            status, error)
          call bench_mark()
-         call name_region("plan", name, phases(1), steps*lanes)
+         call name_region("plan", name, phases(1), steps*n)
       end do
    end subroutine count_effect
 

@@ -1,4 +1,5 @@
-!> Plans for the table of `make bench` and for counting instructions: no effect, or any one effect of the registry.
+!> Plans for the table of `make bench` and for counting instructions: no effect, or any one effect
+!> of the registry.
 module bench_effect_plans
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
@@ -29,7 +30,8 @@ contains
       if (raised(error)) print "(2a)", "   plan: ", error%message
    end subroutine make_plan
 
-   !> Add effect i of the registry: 0.3, 0.2, 0.1 for keys that have no default, a torque of our own for `callback`.
+   !> Add effect i of the registry: 0.3, 0.2, 0.1 for keys that have no default, a torque of our own
+   !> for `callback`.
    subroutine add_any_effect(plan, i)
       type(poinsot_plan), intent(inout) :: plan
       integer, intent(in) :: i

@@ -1,7 +1,7 @@
-!> Timing on a machine that others use too: short runs of many candidates in turn, so that what disturbs
-!> one disturbs all; the median, the minimum and the spread of the repetitions are kept. One thread is
-!> timed by the processor's time, which does not run while another program has the processor; more than
-!> one by the clock on the wall, and that needs a machine at rest.
+!> Timing on a machine that others use too: short runs of many candidates in turn, so that what
+!> disturbs one disturbs all; the median, the minimum and the spread of the repetitions are kept.
+!> One thread is timed by the processor's time, which does not run while another program has the
+!> processor; more than one by the clock on the wall, and that needs a machine at rest.
 module bench_measure
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
@@ -46,8 +46,9 @@ contains
       end associate
    end subroutine prepare
 
-   !> Time all tasks `repeats` times in turn, after one run of each that is not counted. A task that takes long is left out of
-   !> later rounds once the budget is spent; each has three repetitions at least.
+   !> Time all tasks `repeats` times in turn, after one run of each that is not counted. A task that
+   !> takes long is left out of later rounds once the budget is spent; each has three repetitions at
+   !> least.
    subroutine measure(tasks, repeats, budget)
       type(task_item), intent(inout) :: tasks(:)
       integer, intent(in) :: repeats
@@ -99,8 +100,8 @@ contains
       end if
    end function now
 
-   !> Clock of the processor in GHz, from a chain of integer multiplications and additions: 5 cycles a link
-   !> (multiplication 3, and 1, addition 1) on the processors of the last ten years.
+   !> Clock of the processor in GHz, from a chain of integer multiplications and additions: 5 cycles
+   !> a link (multiplication 3, and 1, addition 1) on the processors of the last ten years.
    real(dp) function clock_rate(factor, term)
       integer(i8), intent(in) :: factor, term   !! any odd numbers the compiler does not know
       integer, parameter :: links = 2000000

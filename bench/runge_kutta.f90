@@ -1,16 +1,17 @@
-!> General-purpose rivals for the table of `make bench`: explicit Runge-Kutta methods of fixed step on
-!> (y, q), seven equations a body, y' = y x omega, q' = q o (0, omega)/2.
+!> General-purpose rivals for the table of `make bench`: explicit Runge-Kutta methods of fixed step
+!> on (y, q), seven equations a body, y' = y x omega, q' = q o (0, omega)/2.
 !>
 !> Classical order 4, and DOP853 of order 8 (E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
-!> Differential Equations I, 2nd ed., 1993, section II.5; its published coefficients). Each twice: as
-!> scalar code writes it, body after body, and with as many bodies as fill vector registers.
+!> Differential Equations I, 2nd ed., 1993, section II.5; its published coefficients). Each twice:
+!> as scalar code writes it, body after body, and with as many bodies as fill vector registers.
 module bench_runge_kutta
    use poinsot_core_kinds, only: dp
    implicit none(type, external)
    private
    public :: rk4_scalar, dop853_scalar, rk4_vector, dop853_vector
 
-   integer, parameter :: width = 32  !! bodies side by side in the vector form (8, 16 and 64 are slower)
+   ! bodies side by side in the vector form (8, 16 and 64 are slower)
+   integer, parameter :: width = 32
    integer, parameter :: m = 7*width
 
    ! DOP853: rows of the tableau without their zeros, then the weights

@@ -39,7 +39,7 @@ int main(int argc, char **argv)
 {
     int status, inside = 0;
     long region = 0;
-    unsigned long mark = 0, here;
+    unsigned long mark = 0, here, before = 0;
     pid_t child;
     cpu_set_t one;
 
@@ -72,8 +72,9 @@ int main(int argc, char **argv)
             ptrace(PTRACE_POKEUSER, child, offsetof(struct user_regs_struct, rip), here + 1);
             write_region(region++);
             inside = 0;
-        } else {
+        } else if (here != before) {            /* a repeated string instruction is one instruction */
             add(here);
         }
+        before = here;
     }
 }

@@ -115,7 +115,8 @@ contains
       if (self%drift) then
          call drift_bodies(self%plan, self%view, self%h, status, error)
       else
-         call step_bodies(self%plan, self%view, 0.0_dp, self%h, 0_i8, int(self%steps, i8), status, error)
+         call step_bodies(self%plan, self%view, 0.0_dp, self%h, 0_i8, int(self%steps, i8), &
+            status, error)
       end if
       self%failed = status /= 0
       if (raised(error)) print "(2a)", "   "//trim(self%name)//": ", error%message

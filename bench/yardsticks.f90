@@ -1,8 +1,9 @@
-!> What other codes do to turn a free body, written from the literature for the table of `make bench`, and the reference that
-!> everybody is measured against.
+!> What other codes do to turn a free body, written from the literature for the table of `make
+!> bench`, and the reference that everybody is measured against.
 !>
-!> Arrays are rows, y(3, n) and q(4, n), as the hosts keep them; variables are changed once at each end of a run, not every step.
-!> Scalar code, body after body, with the sine and cosine of the C library: that is how these codes do it.
+!> Arrays are rows, y(3, n) and q(4, n), as the hosts keep them; variables are changed once at each
+!> end of a run, not every step. Scalar code, body after body, with the sine and cosine of the C
+!> library: that is how these codes do it.
 module bench_yardsticks
    use poinsot_core_kinds, only: dp, qp
    use bench_runge_kutta, only: rk4_scalar, dop853_scalar, rk4_vector, dop853_vector
@@ -35,17 +36,21 @@ contains
    !> All of them.
    function yardsticks() result(all)
       type(yardstick) :: all(7)
-      all(1) = yardstick("no-squish", 2, no_squish, "scalar: Miller et al. 2002, as LAMMPS rigid, HOOMD, DL_POLY, RASPA do")
-      all(2) = yardstick("richardson", 2, richardson, "scalar: two half steps against one, as LAMMPS nve/asphere does")
-      all(3) = yardstick("fixed-point midpoint", 2, midpoint, "scalar: implicit midpoint rule, iterated to rounding")
+      all(1) = yardstick("no-squish", 2, no_squish, &
+         "scalar: Miller et al. 2002, as LAMMPS rigid, HOOMD, DL_POLY, RASPA do")
+      all(2) = yardstick("richardson", 2, richardson, &
+         "scalar: two half steps against one, as LAMMPS nve/asphere does")
+      all(3) = yardstick("fixed-point midpoint", 2, midpoint, &
+         "scalar: implicit midpoint rule, iterated to rounding")
       all(4) = yardstick("rk4 scalar", 4, rk4_scalar, "scalar: classical Runge-Kutta on (y, q)")
       all(5) = yardstick("rk4 vector", 4, rk4_vector, "32 bodies side by side")
       all(6) = yardstick("dop853 scalar", 8, dop853_scalar, "scalar: fixed step, on (y, q)")
       all(7) = yardstick("dop853 vector", 8, dop853_vector, "32 bodies side by side")
    end function yardsticks
 
-   !> NO_SQUISH: the free body in five rotations about body axes, 3-2-1-2-3, of attitude and conjugate momentum p = 2 q o (0, y).
-   !> T. F. Miller, M. Eleftheriou, P. Pattnaik, A. Ndirango, D. Newns, G. J. Martyna, J. Chem. Phys. 116 (2002) 8649.
+   !> NO_SQUISH: the free body in five rotations about body axes, 3-2-1-2-3, of attitude and
+   !> conjugate momentum p = 2 q o (0, y). T. F. Miller, M. Eleftheriou, P. Pattnaik, A. Ndirango,
+   !> D. Newns, G. J. Martyna, J. Chem. Phys. 116 (2002) 8649.
    subroutine no_squish(moments, h, steps, y, q)
       real(dp), intent(in) :: moments(3), h
       integer, intent(in) :: steps
@@ -92,8 +97,9 @@ contains
       q = c*q + s*kq
    end subroutine turn
 
-   !> Richardson extrapolation of a first-order quaternion step with the velocity taken again after half of it; the momentum in
-   !> space stays. This is how aspherical particles are turned in molecular dynamics (LAMMPS, fix nve/asphere).
+   !> Richardson extrapolation of a first-order quaternion step with the velocity taken again after
+   !> half of it; the momentum in space stays. This is how aspherical particles are turned in
+   !> molecular dynamics (LAMMPS, fix nve/asphere).
    subroutine richardson(moments, h, steps, y, q)
       real(dp), intent(in) :: moments(3), h
       integer, intent(in) :: steps
@@ -128,7 +134,8 @@ contains
       rate(4) = q(1)*w(3) + q(2)*w(2) - q(3)*w(1)
    end function quaternion_rate
 
-   !> Implicit midpoint rule: fixed-point iteration for the momentum until it stops, then the rotation by Cayley's formula.
+   !> Implicit midpoint rule: fixed-point iteration for the momentum until it stops, then the
+   !> rotation by Cayley's formula.
    subroutine midpoint(moments, h, steps, y, q)
       real(dp), intent(in) :: moments(3), h
       integer, intent(in) :: steps
@@ -161,7 +168,8 @@ contains
       end do
    end subroutine midpoint
 
-   !> The reference: Taylor series of y and q in quadruple precision, 24 terms, steps of at most 1/10 with h |omega| < 0.3.
+   !> The reference: Taylor series of y and q in quadruple precision, 24 terms, steps of at most
+   !> 1/10 with h |omega| < 0.3.
    subroutine reference(moments, t, y, q)
       real(dp), intent(in) :: moments(3)
       real(dp), intent(in) :: t                     !! time to go
@@ -181,7 +189,8 @@ contains
             d = 0
             e = 0
             do j = 0, k
-               d = d + [ys(2, j)*ws(3, k - j) - ys(3, j)*ws(2, k - j), ys(3, j)*ws(1, k - j) - ys(1, j)*ws(3, k - j), &
+               d = d + [ys(2, j)*ws(3, k - j) - ys(3, j)*ws(2, k - j), ys(3, j)*ws(1, &
+                  k - j) - ys(1, j)*ws(3, k - j), &
                         ys(1, j)*ws(2, k - j) - ys(2, j)*ws(1, k - j)]
                e(1) = e(1) - dot_product(qs(2:4, j), ws(:, k - j))
                e(2) = e(2) + qs(1, j)*ws(1, k - j) + qs(3, j)*ws(3, k - j) - qs(4, j)*ws(2, k - j)
