@@ -18,6 +18,7 @@ program counted
 
    interface
       subroutine bench_mark() bind(c)
+         implicit none(type, external)
       end subroutine bench_mark
    end interface
 
@@ -118,12 +119,12 @@ contains
          steps = merge(1, more, k == 1)
          y = y0
          q = q0
-         call view_rows(y, q, view)
+         call view_rows(y(:, 1:lanes), q(:, 1:lanes), view)
          call bench_mark()
          call step_bodies(plan, view, 0.0_dp, phases(1)*minval(moments), 0_i8, int(steps, i8), &
             status, error)
          call bench_mark()
-         call name_region("plan", name, phases(1), steps*n)
+         call name_region("plan", name, phases(1), steps*lanes)
       end do
    end subroutine count_effect
 

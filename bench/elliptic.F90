@@ -12,6 +12,7 @@ program elliptic
    interface
       integer(c_int) function gsl_sf_elljac_e(u, m, sn, cn, dn) bind(c)
          import :: c_double, c_int
+         implicit none(type, external)
          real(c_double), value :: u, m
          real(c_double), intent(out) :: sn, cn, dn
       end function gsl_sf_elljac_e
