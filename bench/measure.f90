@@ -1,12 +1,13 @@
 !> Timing on a machine that others use too: short runs of many candidates in turn, so that what
 !> disturbs one disturbs all; the median, the minimum and the spread of the repetitions are kept.
 !> One thread is timed by the processor's time, which does not run while another program has the
-!> processor; more than one by the clock on the wall, and that needs a machine at rest.
+!> processor. The gain from a second thread is timed by the clock on the wall, and that needs a
+!> machine at rest.
 module bench_measure
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
    private
-   public :: task, task_item, measure, median, minimum, spread_of, clock_rate
+   public :: task, task_item, measure, median, minimum, spread_of, median_cpu, clock_rate
 
    !> Something to be timed.
    type, abstract :: task
@@ -18,9 +19,11 @@ module bench_measure
       integer :: steps = 1                    !! in one call
       integer :: calls = 1                    !! in one run
       integer :: threads = 1
+      logical :: wall = .false.               !! time by the clock on the wall
       real(dp) :: phase = 0                   !! largest h |omega|
       logical :: failed = .false.             !! it could not do it
       real(dp), allocatable :: ns(:)          !! per body-step, one value a repetition
+      real(dp), allocatable :: cpu(:)         !! the same by processor time, all threads together
    contains
       procedure :: prepare                    !! before each run, not timed
       procedure(run_task), deferred :: run    !! what is timed
@@ -54,9 +57,10 @@ contains
       integer, intent(in) :: repeats
       real(dp), intent(in) :: budget           !! seconds for all
       integer :: i, k, done
-      real(dp) :: first, start, ns(repeats, size(tasks))
+      real(dp) :: first, start, start_cpu, scale
+      real(dp), dimension(repeats, size(tasks)) :: wall, cpu
 
-      first = now(2)
+      first = now(.true.)
       do i = 1, size(tasks)
          call tasks(i)%it%prepare()
          call run_calls(tasks(i)%it)
@@ -67,16 +71,20 @@ contains
             associate (one => tasks(i)%it)
                if (one%failed) cycle
                call one%prepare()
-               start = now(one%threads)
+               scale = 1e9_dp/(real(one%n, dp)*one%steps*one%calls)
+               start = now(.true.)
+               start_cpu = now(.false.)
                call run_calls(one)
-               ns(k, i) = 1e9_dp*(now(one%threads) - start)/(real(one%n, dp)*one%steps*one%calls)
+               cpu(k, i) = scale*(now(.false.) - start_cpu)
+               wall(k, i) = scale*(now(.true.) - start)
             end associate
          end do
          done = k
-         if (k >= 3 .and. now(2) - first > budget) exit
+         if (k >= 3 .and. now(.true.) - first > budget) exit
       end do
       do i = 1, size(tasks)
-         tasks(i)%it%ns = ns(1:done, i)
+         tasks(i)%it%cpu = cpu(1:done, i)
+         tasks(i)%it%ns = merge(wall(1:done, i), cpu(1:done, i), tasks(i)%it%wall)
       end do
    end subroutine measure
 
@@ -88,15 +96,15 @@ contains
       end do
    end subroutine run_calls
 
-   !> Seconds: of the processor for one thread, of the wall for more.
-   real(dp) function now(threads)
-      integer, intent(in) :: threads
+   !> Seconds: of the wall, or of the processor, all threads of this program together.
+   real(dp) function now(wall)
+      logical, intent(in) :: wall
       integer(i8) :: ticks, rate
-      if (threads == 1) then
-         call cpu_time(now)
-      else
+      if (wall) then
          call system_clock(ticks, rate)
          now = real(ticks, dp)/real(rate, dp)
+      else
+         call cpu_time(now)
       end if
    end function now
 
@@ -111,11 +119,11 @@ contains
       clock_rate = 0
       do k = 1, 9
          x = term
-         start = now(1)
+         start = now(.false.)
          do i = 1, links
             x = iand(x*factor, huge(x)/2) + term
          end do
-         start = now(1) - start
+         start = now(.false.) - start
          if (x /= 0 .and. start > 0) clock_rate = max(clock_rate, 5e-9_dp*links/start)
       end do
    end function clock_rate
@@ -125,6 +133,12 @@ contains
       class(task), intent(in) :: one
       median = quantile(one%ns, 0.5_dp)
    end function median
+
+   !> The same by processor time, all threads together.
+   pure real(dp) function median_cpu(one)
+      class(task), intent(in) :: one
+      median_cpu = quantile(one%cpu, 0.5_dp)
+   end function median_cpu
 
    pure real(dp) function minimum(one)
       class(task), intent(in) :: one

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Measure: what a step of every method costs and how wrong it is, beside what other codes do, on this machine.
 #
-# usage: bench/run.sh [--quick]     --quick: 20 seconds instead of two minutes
+# usage: bench/run.sh [--quick | --doc]     --quick: 20 seconds instead of two minutes
+#                                           --doc: put the report into docs/performance.md
 # environment: FC the compiler (gfortran), CC (cc), PORTABLE and EXTRA_FLAGS as in tools/flags.sh
 #
 # Needs what `make build` leaves in build/stage; leaves report.txt and *.csv in build/bench.
@@ -16,6 +17,9 @@ out=build/bench
 flags=$(tools/flags.sh release)
 libraries="$stage/lib/libpoinsot.a $(tools/flags.sh link) -llapack -lblas"
 quick=
+OMP_WAIT_POLICY=passive # a thread that waits must not cost processor time
+OMP_PROC_BIND=true        # two threads on two processors, also while another program has one of them
+export OMP_WAIT_POLICY OMP_PROC_BIND
 [ "${1:-}" != --quick ] || quick=--quick
 
 have() { command -v "$1" >/dev/null 2>&1; }
@@ -34,7 +38,7 @@ machine() {
    echo "system: $(uname -srm)"
    echo "compiler: $("$FC" --version | head -n 1)"
    echo "flags: $flags"
-   echo "one thread is timed by processor time, more by the wall; the smaller number in brackets is the minimum"
+   echo "processor time, but table 5 by the wall; in brackets the minimum"
 }
 
 [ -f $stage/lib/libpoinsot.a ] || { echo "bench/run.sh: run 'make build' first" >&2; exit 1; }
@@ -81,3 +85,9 @@ instructions() {
    echo
    echo "written: $out/report.txt, times.csv, errors.csv$([ -n "$quick" ] || echo ', instructions.csv, functions.csv')"
 } 2>&1 | tee $out/report.txt
+
+[ "${1:-}" = --doc ] || exit 0
+awk -v report=$out/report.txt '
+   /^```report$/ { print; while ((getline line < report) > 0) if (line !~ /^written/) print line; inside = 1; next }
+   /^```$/ { inside = 0 }
+   !inside' docs/performance.md >$out/performance.md && cp $out/performance.md docs/performance.md
