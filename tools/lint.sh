@@ -13,7 +13,7 @@ bad=0
 
 echo "lint: fortitude"
 folders=
-for it in src app test example tools; do [ -d $it ] && folders="$folders $it"; done
+for it in src app test example tools bench; do [ -d $it ] && folders="$folders $it"; done
 $tools/fortitude check --output-format concise $folders || bad=1
 
 echo "lint: module name = path"
