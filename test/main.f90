@@ -9,6 +9,7 @@ program check_poinsot
    use test_core, only: collect_core
    use test_free, only: collect_free
    use test_oracle, only: collect_oracle
+   use test_rattle, only: collect_rattle
    use test_rotation, only: collect_rotation
    implicit none(type, external)
 
@@ -21,7 +22,8 @@ program check_poinsot
       new_testsuite("rotation", collect_rotation), &
       new_testsuite("body", collect_body), &
       new_testsuite("oracle", collect_oracle), &
-      new_testsuite("free", collect_free)]
+      new_testsuite("free", collect_free), &
+      new_testsuite("rattle", collect_rattle)]
    first = 1
    call get_argument(first, suite)
    if (allocated(suite)) then
