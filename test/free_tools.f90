@@ -19,14 +19,14 @@ module test_free_tools
    public :: worst_of_kind, worst_of_hard, worst_of_map
 
    !> The approximate methods first, three-rotations and symmetric-rotation before all.
-   character(20), parameter :: method_names(17) = [character(20) :: "three-rotations", &
+   character(20), parameter :: method_names(18) = [character(20) :: "three-rotations", &
       "symmetric-rotation", &
-      "midpoint", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", &
+      "midpoint", "rattle", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", &
       "dmv20", "dmv22", &
       "dmv24", "exact", "jacobi"]
-   integer, parameter :: method_orders(17) = [2, 2, 2, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, &
+   integer, parameter :: method_orders(18) = [2, 2, 2, 2, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, &
       24, 0, 0]
-   integer, parameter :: approximate_count = 15
+   integer, parameter :: approximate_count = 16
    real(dp), parameter :: generic(3) = [0.8_dp, 0.55_dp, 0.95_dp] !! of a generic body, unsorted
    real(dp), parameter :: start(3) = [0.5_dp, -0.6_dp, 0.4_dp]    !! its momentum
    real(dp), parameter :: start_q(4) = [0.1_dp, 0.7_dp, -0.5_dp, 0.5_dp]

@@ -11,6 +11,7 @@ program check_poinsot
    use test_elliptic, only: collect_elliptic
    use test_free, only: collect_free
    use test_oracle, only: collect_oracle
+   use test_rattle, only: collect_rattle
    use test_rotation, only: collect_rotation
    use test_scene, only: collect_scene
    use test_splitting, only: collect_splitting
@@ -27,6 +28,7 @@ program check_poinsot
       new_testsuite("elliptic", collect_elliptic), &
       new_testsuite("oracle", collect_oracle), &
       new_testsuite("free", collect_free), &
+      new_testsuite("rattle", collect_rattle), &
       new_testsuite("effect", collect_effect), &
       new_testsuite("splitting", collect_splitting), &
       new_testsuite("scene", collect_scene)]

@@ -11,6 +11,7 @@ module poinsot_free_method
    use poinsot_free_exact, only: exact_increment
    use poinsot_free_jacobi_solution, only: jacobi_increment
    use poinsot_free_moser_veselov, only: moser_veselov_increment, midpoint_increment
+   use poinsot_free_rattle, only: rattle_increment
    use poinsot_free_split_rotations, only: three_rotations_increment, symmetric_rotation_increment
    implicit none(type, external)
    private
@@ -47,9 +48,9 @@ module poinsot_free_method
    real(dp), parameter :: far = 1e70_dp !! beyond, h is looked at before it is multiplied
 
    !> Names in the order in which people see them; `registered` says what each is.
-   character(name_length), parameter :: method_names(17) = [character(name_length) :: &
+   character(name_length), parameter :: method_names(18) = [character(name_length) :: &
       "exact", "jacobi", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", "dmv20", &
-      "dmv22", "dmv24", "midpoint", "three-rotations", "symmetric-rotation"]
+      "dmv22", "dmv24", "midpoint", "three-rotations", "symmetric-rotation", "rattle"]
    integer, parameter :: registered_count = size(method_names)
 
 contains
@@ -71,6 +72,7 @@ contains
                                 "splitting into rotations about the axes, 3-2-1-2-3")
       methods(17) = free_method("", 2, 0, .false., symmetric_rotation_increment, &
                                 "splitting into a symmetric body and a rotation")
+      methods(18) = free_method("", 2, 0, .true., rattle_increment, "RATTLE in the matrices (P, Q); the map of dmv2")
       methods%name = method_names
    end function registered
 
