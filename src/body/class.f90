@@ -16,8 +16,8 @@ module poinsot_body_class
    private
    public :: body_class, make_class, series_levels, level_degree, longest_step
 
-   integer, parameter :: series_levels = 4              !! lengths of series the exact step offers
-   integer, parameter :: level_degree(series_levels) = [4, 6, 8, 10] !! highest power of h^2 in P
+   integer, parameter :: series_levels = 3              !! lengths of series the exact step offers
+   integer, parameter :: level_degree(series_levels) = [4, 6, 9] !! highest power of h^2 in P
                                                                      !! and R
    real(dp), parameter :: longest_step = 0.7_dp         !! h |omega| of the longest single exact
                                                         !! step

@@ -167,7 +167,7 @@ contains
       end select
    end subroutine polynomial
 
-   !> T to degree n - 1 and W to degree n, n = 4, 6, 8 or 10, of e = X + Z and f = X Z. See
+   !> T to degree n - 1 and W to degree n, n = 4, 6 or 9, of e = X + Z and f = X Z. See
    !> poinsot_body_universal.
    pure subroutine universal(degree, e, f, t, w)
       integer, intent(in) :: degree                 !! n
@@ -205,33 +205,19 @@ contains
             w(l) = w(l)*f(l) + h4(b(0, 1), e(l))
             w(l) = w(l)*f(l) + h6(b(0, 0), e(l))
          end do
-      case (8)
+      case (9)
          !GCC$ ivdep
          do l = 1, lanes
-            t(l) = h1(a(0, 3), e(l))
-            t(l) = t(l)*f(l) + h3(a(0, 2), e(l))
-            t(l) = t(l)*f(l) + h5(a(0, 1), e(l))
-            t(l) = t(l)*f(l) + h7(a(0, 0), e(l))
-            w(l) = b(0, 4)
-            w(l) = w(l)*f(l) + h2(b(0, 3), e(l))
-            w(l) = w(l)*f(l) + h4(b(0, 2), e(l))
-            w(l) = w(l)*f(l) + h6(b(0, 1), e(l))
-            w(l) = w(l)*f(l) + h8(b(0, 0), e(l))
-         end do
-      case (10)
-         !GCC$ ivdep
-         do l = 1, lanes
-            t(l) = h1(a(0, 4), e(l))
-            t(l) = t(l)*f(l) + h3(a(0, 3), e(l))
-            t(l) = t(l)*f(l) + h5(a(0, 2), e(l))
-            t(l) = t(l)*f(l) + h7(a(0, 1), e(l))
-            t(l) = t(l)*f(l) + h9(a(0, 0), e(l))
-            w(l) = b(0, 5)
-            w(l) = w(l)*f(l) + h2(b(0, 4), e(l))
-            w(l) = w(l)*f(l) + h4(b(0, 3), e(l))
-            w(l) = w(l)*f(l) + h6(b(0, 2), e(l))
-            w(l) = w(l)*f(l) + h8(b(0, 1), e(l))
-            w(l) = w(l)*f(l) + h10(b(0, 0), e(l))
+            t(l) = a(0, 4)
+            t(l) = t(l)*f(l) + h2(a(0, 3), e(l))
+            t(l) = t(l)*f(l) + h4(a(0, 2), e(l))
+            t(l) = t(l)*f(l) + h6(a(0, 1), e(l))
+            t(l) = t(l)*f(l) + h8(a(0, 0), e(l))
+            w(l) = h1(b(0, 4), e(l))
+            w(l) = w(l)*f(l) + h3(b(0, 3), e(l))
+            w(l) = w(l)*f(l) + h5(b(0, 2), e(l))
+            w(l) = w(l)*f(l) + h7(b(0, 1), e(l))
+            w(l) = w(l)*f(l) + h9(b(0, 0), e(l))
          end do
       end select
    end subroutine symmetric_polynomials
