@@ -100,8 +100,8 @@ contains
          return
       end if
       do i = 1, view%n
-         c = view%body_class(i) - view%first_class + 1
-         if (c >= 1 .and. c <= size(each)) total = total + each(c)
+         c = view%body_class(i)
+         if (c >= view%first_class .and. c < view%first_class + size(each)) total = total + each(c - view%first_class + 1)
       end do
    end function total_degrees_of_freedom
 
