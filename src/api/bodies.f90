@@ -57,7 +57,7 @@ contains
       if (status /= poinsot_ok) return
       status = poinsot_e_method
       how = "wxyz"
-      if (c_associated(order)) how = from_c(order)
+      if (c_associated(order)) call from_c(order, how)
       if (how /= "wxyz" .and. how /= "xyzw") return
       status = poinsot_e_null
       if (n > 0 .and. .not. (c_associated(momentum) .and. c_associated(attitude))) return
@@ -118,7 +118,7 @@ contains
       components = 0
       status = poinsot_e_null
       nullify (view)
-      name = from_c(layout)
+      call from_c(layout, name)
       if (.not. c_associated(bodies) .or. .not. allocated(name)) return
       call c_f_pointer(bodies, view)
       view = poinsot_bodies()

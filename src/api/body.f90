@@ -102,7 +102,7 @@ contains
 
       status = poinsot_e_null
       if (.not. c_associated(body)) return
-      name = from_c(method)
+      call from_c(method, name)
       if (.not. allocated(name)) return
       if (n > 0 .and. .not. (c_associated(y) .and. c_associated(q))) return
       call find_method(name, chosen, error)

@@ -39,7 +39,7 @@ contains
       character(:), allocatable :: asked
       logical :: has
       has = .false.
-      asked = from_c(name)
+      call from_c(name, asked)
       if (allocated(asked)) then
          select case (asked)
          case ("lapack")

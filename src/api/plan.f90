@@ -122,8 +122,8 @@ contains
       status = poinsot_e_null
       call open_plan(plan, p)
       if (.not. associated(p)) return
-      key = from_c(option)
-      text = from_c(value)
+      call from_c(option, key)
+      call from_c(value, text)
       if (allocated(key) .and. allocated(text)) then
          call set_option(p%plan, key, text, error)
       else
@@ -144,8 +144,8 @@ contains
       status = poinsot_e_null
       call open_plan(plan, p)
       if (.not. associated(p)) return
-      which = from_c(name)
-      text = from_c(settings)
+      call from_c(name, which)
+      call from_c(settings, text)
       if (.not. allocated(text)) text = ""
       if (.not. allocated(which)) then
          call raise(error, poinsot_e_null, "plan: the name of an effect is NULL")

@@ -10,9 +10,9 @@ module poinsot_api_text
 contains
 
    !> A C text as a Fortran one; not allocated for NULL, cut at `longest_text`.
-   function from_c(text) result(s)
+   subroutine from_c(text, s)
       type(c_ptr), intent(in) :: text
-      character(:), allocatable :: s
+      character(:), allocatable, intent(out) :: s
       character(kind=c_char), pointer :: c(:)
       integer :: n, i
       if (.not. c_associated(text)) return
@@ -26,7 +26,7 @@ contains
       do i = 1, n
          s(i:i) = c(i)
       end do
-   end function from_c
+   end subroutine from_c
 
    !> A Fortran text into a C buffer: at most `capacity` bytes, the last of them zero. A NULL buffer takes nothing.
    subroutine to_c(s, buffer, capacity)

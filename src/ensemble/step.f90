@@ -97,8 +97,8 @@ contains
 
       call check_ready(plan, view, error)
       if (.not. raised(error)) call check_step(h, 1, error)
-      if (.not. raised(error)) call check_step(t, 1, error)
-      if (.not. raised(error) .and. steps < 0) call raise(error, poinsot_e_size, "number of steps is negative")
+      if (.not. raised(error)) call check_step(t, 1, error, "time t")
+      if (.not. raised(error)) call check_count(first, steps, error)
       status = error%code
       if (raised(error)) return
       if (plan%coupled .or. present(callback)) then
@@ -120,6 +120,17 @@ contains
       job%compensated = associated(view%carry)
       status = for_each_block(view, plan%classes, plan%axes, plan%momentum, plan%threads, job)
    end subroutine step_bodies
+
+   !> Steps can be counted, and the number of the one after the last.
+   pure subroutine check_count(first, steps, error)
+      integer(i8), intent(in) :: first, steps
+      type(poinsot_error), intent(inout) :: error
+      if (steps < 0) then
+         call raise(error, poinsot_e_size, "number of steps is negative")
+      else if (first > huge(first) - steps) then
+         call raise(error, poinsot_e_size, "step numbers first to first + steps leave the range of 64 bits")
+      end if
+   end subroutine check_count
 
    !> A thermostat does not run backwards.
    subroutine check_direction(flows, h, error)
