@@ -8,7 +8,7 @@ module poinsot_ensemble_step
    use poinsot_ensemble_bodies, only: body_view, column
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
    use poinsot_ensemble_drive, only: block_job, for_each_block
-   use poinsot_ensemble_layout, only: space_momentum, conjugate_momentum, turn_to_body
+   use poinsot_ensemble_layout, only: body_momentum, space_momentum, conjugate_momentum, turn_to_body
    use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
    use poinsot_ensemble_rotate, only: rotate_job, check_step
    use poinsot_free_accumulate, only: add_kick, add_kick_compensated
@@ -23,6 +23,7 @@ module poinsot_ensemble_step
    type, extends(block_job) :: kick_job
       type(column) :: torque(3)
       logical :: space = .false.              !! torques are in the space frame
+      logical :: same_frame = .false.         !! and so are the caller's momenta, or both in its body frame
       real(dp) :: h = 0
       real(dp), allocatable :: axes(:, :)
    contains
@@ -76,6 +77,7 @@ contains
       if (raised(error)) return
       job%torque = torque
       job%space = plan%space_torque
+      job%same_frame = plan%momentum == merge(space_momentum, body_momentum, plan%space_torque)
       job%h = h
       job%axes = plan%axes
       job%keep_attitude = .true.
@@ -174,6 +176,11 @@ contains
          end do
       end do
       call b%refuse_values(dy)
+      if (self%same_frame .and. .not. b%compensated .and. all(class%inverse > 0)) then
+         b%adding = .true.
+         b%add = self%h*dy
+         return
+      end if
       call turn_to_body(self%space, self%axes(:, b%class), b%q, dy)
       do j = 1, 3
          dy(:, j) = self%h*dy(:, j)
