@@ -2,7 +2,7 @@
 ! file with your program. What each function does stands in poinsot.h; texts are `trim(text)//c_null_char`, handles
 ! type(c_ptr). Built with the same compiler, `use poinsot` is the shorter way.
 module poinsot_interface
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funptr, c_int, c_int64_t, c_null_ptr, c_ptr, c_ptrdiff_t, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funptr, c_int, c_int64_t, c_null_ptr, c_ptr, c_intptr_t, c_size_t
    implicit none
    private
    public :: poinsot_bodies
@@ -17,10 +17,10 @@ module poinsot_interface
    type, bind(c) :: poinsot_bodies
       integer(c_size_t) :: size = 0, n = 0
       type(c_ptr) :: y(3) = c_null_ptr, q(4) = c_null_ptr
-      integer(c_ptrdiff_t) :: y_stride = 0, q_stride = 0
+      integer(c_intptr_t) :: y_stride = 0, q_stride = 0
       type(c_ptr) :: body_class = c_null_ptr, id = c_null_ptr, carry = c_null_ptr, status = c_null_ptr
       type(c_ptr) :: y_fourth = c_null_ptr
-      integer(c_ptrdiff_t) :: first_class = 0
+      integer(c_intptr_t) :: first_class = 0
    end type poinsot_bodies
 
    interface
@@ -186,7 +186,7 @@ module poinsot_interface
          type(poinsot_bodies), intent(in) :: bodies
          real(c_double), value :: h
          type(c_ptr), intent(in) :: torque(3)
-         integer(c_ptrdiff_t), value :: stride
+         integer(c_intptr_t), value :: stride
       end function poinsot_kick
 
       integer(c_int) function poinsot_step(plan, bodies, t, h, first, steps, callback, context) bind(c)

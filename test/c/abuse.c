@@ -106,7 +106,7 @@ static void jacobi(void) {
 static void plan(void) {
   poinsot_plan *it = NULL;
   const double bad[3] = {1, 1, 3}, tensor[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  char text[64];
+  char text[1024];
   int number = 7;
   size_t length, i;
   const char *const options[][2] = {{"method", "exakt"}, {"splitting", ""}, {"layout", "lamps"}, {"frame", "spice"},
@@ -134,7 +134,7 @@ static void plan(void) {
   memset(text, 'x', sizeof text);
   CHECK(poinsot_plan_message(it, text, 8) == length && strlen(text) == 7 && text[8] == 'x');
   CHECK(poinsot_plan_message(it, text, 1) == length && text[0] == 0);
-  CHECK(poinsot_plan_message(it, text, (size_t)-1) == length || length >= sizeof text);
+  CHECK(poinsot_plan_message(it, text, (size_t)-1) == length);
   CHECK(poinsot_plan_add_class(it, moments, &number) == POINSOT_OK && number == 0);
   CHECK(poinsot_plan_message(it, text, sizeof text) == 0);
   CHECK(poinsot_plan_add_class(it, moments, &number) == POINSOT_OK && number == 1);
