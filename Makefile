@@ -29,7 +29,7 @@ all: build
 # a module was compiled anew: fpm compiles again what uses a changed module only if it is of the same run.
 build: setup ## set up what is missing; build library and app (into build/stage)
 	@$(fpm) install --no-prune --prefix $(stage) --compiler $(FC) --flag "$$(tools/flags.sh release)" \
-	   --link-flag "$$(tools/flags.sh link)" >build/build.log 2>&1 || { cat build/build.log; exit 1; }
+	   --c-flag "$$(tools/flags.sh c)" --link-flag "$$(tools/flags.sh link)" >build/build.log 2>&1 || { cat build/build.log; exit 1; }
 	@grep -q "up to date" build/build.log || rm -f build/*/poinsot/test_*.o build/*/poinsot/test_*.o.digest
 	@echo "built: $(stage)/bin/poinsot and $(stage)/lib/libpoinsot.a"
 

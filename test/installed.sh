@@ -57,6 +57,37 @@ cmake_c() {
    cmake -S test/consumer -B build/installed/cmake -DCMAKE_PREFIX_PATH="$prefix" && cmake --build build/installed/cmake &&
       build/installed/cmake/with_poinsot && build/installed/cmake/with_static
 }
+# A source of example/ or test/, $2, against the installed shared library, with flags $1; then it runs.
+with_shared() {
+   compiler=$CC
+   case ${2%% *} in *.f | *.f90) compiler=$FC ;; *.cpp) compiler=c++ ;; esac
+   program=build/installed/build/$(basename "${2%% *}" | tr . -)
+   eval "$compiler $1 $2 -o $program $(config --cflags --libs) -lm" &&
+      OMP_NUM_THREADS=2 LD_LIBRARY_PATH=$prefix/lib $program
+}
+same_top() {
+   with_shared "$1" "$2" >"$work/top" && cat "$work/top" && tail -n 1 "$work/top" | grep -q "4.2050000000000.* 0.925740 *-0.351491 *0.102184 *-0.094964"
+}
+other_compiler() {
+   "$FC" -fsyntax-only -std=f2008 -pedantic -Wall -J build/installed/build "$prefix/include/poinsot_interface.f90" &&
+      "$FC" -J build/installed/build "$prefix/include/poinsot_interface.f90" test/consumer/interface.f90 -L"$prefix/lib" -lpoinsot \
+         -o build/installed/build/interface && LD_LIBRARY_PATH=$prefix/lib build/installed/build/interface
+}
+abuse_sanitized() {
+   eval "$CC -std=c99 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined test/c/abuse.c -o build/installed/build/abuse-s \
+      $(config --cflags --libs) -lm -lpthread" && LD_LIBRARY_PATH=$prefix/lib build/installed/build/abuse-s
+}
+sanitizers_work() {
+   echo 'int main(void) { return 0; }' >"$work/try.c" && "$CC" -fsanitize=address,undefined "$work/try.c" -o "$work/try" 2>/dev/null && "$work/try"
+}
+has_numpy() { "$PYTHON" -c "import numpy" 2>/dev/null; }
+older_processor() {
+   eval "$CC -std=c99 test/consumer/older.c -o build/installed/build/older $(config --cflags --libs)" &&
+      LD_LIBRARY_PATH=$prefix/lib qemu-x86_64 -cpu Nehalem build/installed/build/older
+}
+native_build() { LD_LIBRARY_PATH=$prefix/lib "$PYTHON" -c "
+import ctypes, sys
+sys.exit(not ctypes.CDLL('$prefix/lib/libpoinsot.so').poinsot_has_feature(b'avx2'))"; }
 files() {
    for it in lib/libpoinsot.a lib/libpoinsot.so lib/libpoinsot.so.0 lib/libpoinsot.so.$version lib/pkgconfig/poinsot.pc \
       lib/cmake/poinsot/poinsotConfig.cmake include/poinsot/poinsot_core_version.mod share/poinsot/installed.txt; do
@@ -88,6 +119,30 @@ if have pkg-config; then
 else
    skip "by-pkg-config" "no pkg-config"
 fi
+if have pkg-config; then
+   expect "example-c" same_top "-std=c99 -pedantic -Wall -Wextra -Werror" example/heavy_top.c
+   expect "example-fortran" same_top "" example/heavy_top.f90
+   expect "example-fixed-form" with_shared "" example/fixed/molecules.f
+   if have c++; then
+      expect "example-c++" with_shared "-std=c++17 -pedantic -Wall -Wextra -Werror" example/lammps_rows.cpp
+   else
+      skip "example-c++" "no c++"
+   fi
+   expect "abuse" with_shared "-std=c99 -pedantic -Wall -Wextra -Werror" "test/c/abuse.c -lpthread"
+   if sanitizers_work; then expect "abuse-sanitized" abuse_sanitized; else skip "abuse-sanitized" "no sanitizers"; fi
+   if have qemu-x86_64 && native_build; then
+      expect "older-processor" older_processor
+   else
+      skip "older-processor" "no qemu-x86_64, or a build for any processor"
+   fi
+fi
+expect "other-compiler" other_compiler
+if has_numpy; then
+   expect "example-python" env OMP_NUM_THREADS=2 "$PYTHON" example/free_bodies.py "$prefix/lib/libpoinsot.so"
+else
+   skip "example-python" "no NumPy for $PYTHON"
+fi
+[ "$(uname)" != Linux ] || expect "fork" env OMP_NUM_THREADS=2 "$PYTHON" test/consumer/fork.py "$prefix/lib/libpoinsot.so"
 if [ -n "$have_api" ]; then
    if have cmake; then expect "c-by-cmake" cmake_c; else skip "c-by-cmake" "no cmake"; fi
 fi

@@ -9,6 +9,7 @@ program check_poinsot
    use test_core, only: collect_core
    use test_effect, only: collect_effect
    use test_elliptic, only: collect_elliptic
+   use test_ensemble, only: collect_ensemble
    use test_free, only: collect_free
    use test_oracle, only: collect_oracle
    use test_rattle, only: collect_rattle
@@ -31,6 +32,7 @@ program check_poinsot
       new_testsuite("rattle", collect_rattle), &
       new_testsuite("effect", collect_effect), &
       new_testsuite("splitting", collect_splitting), &
+      new_testsuite("ensemble", collect_ensemble), &
       new_testsuite("scene", collect_scene)]
    first = 1
    call get_argument(first, suite)

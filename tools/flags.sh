@@ -1,7 +1,7 @@
 #!/bin/sh
 # Compiler flags, as far as the compiler accepts them.
 #
-# usage: tools/flags.sh release | checking | link
+# usage: tools/flags.sh release | checking | c | link
 # environment: FC the compiler (gfortran), PORTABLE=1 for any processor of this kind, EXTRA_FLAGS added at the end
 
 set -u
@@ -30,6 +30,10 @@ checking)
    printf '%s ' -Og -g
    accepted -fcheck=all -Wall -Wextra -ffpe-trap=invalid,zero,overflow -fbacktrace -fopenmp
    ;;
+c)
+   # For src/api/*.c, which look at the processor before anything else: never -march.
+   printf '%s ' -O2 -fPIC
+   ;;
 link)
    # Where conda and brew keep libraries that the compiler does not find by itself.
    for folder in "${CONDA_PREFIX:+$CONDA_PREFIX/lib}" "${HOMEBREW_PREFIX:+$HOMEBREW_PREFIX/opt/lapack/lib}"; do
@@ -37,7 +41,7 @@ link)
    done
    ;;
 *)
-   echo "usage: tools/flags.sh release | checking | link" >&2
+   echo "usage: tools/flags.sh release | checking | c | link" >&2
    exit 2
    ;;
 esac

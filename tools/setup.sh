@@ -233,7 +233,7 @@ test_drive_needs() {
 # fpm adds to an archive but takes nothing away, and its objects outlive a change of test-drive: after a source file came, went
 # or moved, the build starts anew.
 forget_old_objects() {
-   find src $test_drive/src -name '*.[fF]90' | sort >"$scratch/sources"
+   find src $test_drive/src -name '*.[fF]90' -o -name '*.c' | sort >"$scratch/sources"
    cmp -s "$scratch/sources" build/sources.txt || rm -rf build/*_????????????????
    cp "$scratch/sources" build/sources.txt
 }

@@ -38,7 +38,7 @@ counted() {
 
 # What the build says is shown only if it fails: warnings are the business of `make lint`.
 suites() {
-   set -- --compiler "$FC" --flag "$1" --link-flag "$(tools/flags.sh link)"
+   set -- --compiler "$FC" --flag "$1" --c-flag "$(tools/flags.sh c)" --link-flag "$(tools/flags.sh link)"
    "$fpm" build --tests --no-prune "$@" >build/log/build 2>&1 || { cat build/log/build; return 1; }
    "$fpm" test --no-prune ${arguments:+--target check} "$@" -- $arguments
 }

@@ -1,4 +1,4 @@
-!> C entry points for one kind of body: create, destroy, rotate. See include/poinsot.h.
+!> Behind the C entry points for one kind of body: create, destroy, rotate. See include/poinsot.h and door.c.
 module poinsot_api_body
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr, c_size_t
    use poinsot_api_text, only: from_c
@@ -6,18 +6,16 @@ module poinsot_api_body
    use poinsot_body_inertia, only: principal_axes
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_null, poinsot_e_size
-   use poinsot_ensemble_bodies, only: body_view, view_rows
+   use poinsot_ensemble_bodies, only: body_view, most_bodies, view_rows
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_free_method, only: free_method, find_method
    implicit none(type, external)
    private
 
-   integer(c_size_t), parameter :: most = huge(0)/8
-
 contains
 
    !> A body class from principal moments.
-   integer(c_int) function poinsot_body_create(moments, body) bind(c) result(status)
+   integer(c_int) function body_create(moments, body) bind(c, name="poinsot_do_body_create") result(status)
       type(c_ptr), value :: moments  !! const double[3]
       type(c_ptr), value :: body     !! poinsot_body **
       real(c_double), pointer :: m(:)
@@ -29,10 +27,10 @@ contains
       if (.not. c_associated(moments)) return
       call c_f_pointer(moments, m, [3])
       call create(m, handle, status)
-   end function poinsot_body_create
+   end function body_create
 
    !> A body class from a full inertia tensor, row-major; `axes` gets the principal axes as columns, row-major.
-   integer(c_int) function poinsot_body_create_tensor(inertia, body, axes) bind(c) result(status)
+   integer(c_int) function body_create_tensor(inertia, body, axes) bind(c, name="poinsot_do_body_create_tensor") result(status)
       type(c_ptr), value :: inertia  !! const double[9]
       type(c_ptr), value :: body     !! poinsot_body **
       type(c_ptr), value :: axes     !! double[9], may be NULL
@@ -53,7 +51,7 @@ contains
       if (status /= poinsot_ok .or. .not. c_associated(axes)) return
       call c_f_pointer(axes, a, [3, 3])
       a = transpose(columns)
-   end function poinsot_body_create_tensor
+   end function body_create_tensor
 
    subroutine create(moments, handle, status)
       real(c_double), intent(in) :: moments(3)
@@ -75,7 +73,7 @@ contains
    end subroutine create
 
    !> Give a body class back, and set the handle to NULL. NULL and a NULL handle are fine.
-   subroutine poinsot_body_destroy(body) bind(c)
+   subroutine body_destroy(body) bind(c, name="poinsot_do_body_destroy")
       type(c_ptr), value :: body     !! poinsot_body **
       type(c_ptr), pointer :: handle
       type(body_class), pointer :: class
@@ -85,10 +83,10 @@ contains
       call c_f_pointer(handle, class)
       deallocate (class)
       handle = c_null_ptr
-   end subroutine poinsot_body_destroy
+   end subroutine body_destroy
 
    !> `steps` free steps of h for n bodies of one class, in place.
-   integer(c_int) function poinsot_rotate(body, method, h, steps, n, y, q, per_body) bind(c) result(status)
+   integer(c_int) function rotate(body, method, h, steps, n, y, q, per_body) bind(c, name="poinsot_do_rotate") result(status)
       type(c_ptr), value :: body      !! const poinsot_body *
       type(c_ptr), value :: method    !! const char *
       real(c_double), value :: h      !! step, either sign
@@ -104,14 +102,14 @@ contains
 
       status = poinsot_e_null
       if (.not. c_associated(body)) return
-      name = from_c(method)
+      call from_c(method, name)
       if (.not. allocated(name)) return
       if (n > 0 .and. .not. (c_associated(y) .and. c_associated(q))) return
       call find_method(name, chosen, error)
       status = error%code
       if (raised(error)) return
       status = poinsot_e_size
-      if (n < 0 .or. n > most .or. steps < 0 .or. steps > huge(0)) return
+      if (n < 0 .or. n > most_bodies .or. steps < 0 .or. steps > huge(0)) return
       if (n > 0) then
          call c_f_pointer(y, yy, [3_c_size_t, n])
          call c_f_pointer(q, qq, [4_c_size_t, n])
@@ -120,6 +118,6 @@ contains
       end if
       call c_f_pointer(body, class)
       call rotate_bodies(class, chosen, h, int(steps), view, 0, status, error)
-   end function poinsot_rotate
+   end function rotate
 
 end module poinsot_api_body

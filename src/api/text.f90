@@ -3,16 +3,16 @@ module poinsot_api_text
    use, intrinsic :: iso_c_binding, only: c_char, c_ptr, c_null_char, c_size_t, c_associated, c_f_pointer
    implicit none(type, external)
    private
-   public :: from_c, longest_text
+   public :: from_c, to_c, longest_text
 
    integer, parameter :: longest_text = 65536 !! a C text is read no further than this
 
 contains
 
    !> A C text as a Fortran one; not allocated for NULL, cut at `longest_text`.
-   function from_c(text) result(s)
+   subroutine from_c(text, s)
       type(c_ptr), intent(in) :: text
-      character(:), allocatable :: s
+      character(:), allocatable, intent(out) :: s
       character(kind=c_char), pointer :: c(:)
       integer :: n, i
       if (.not. c_associated(text)) return
@@ -26,6 +26,23 @@ contains
       do i = 1, n
          s(i:i) = c(i)
       end do
-   end function from_c
+   end subroutine from_c
+
+   !> A Fortran text into a C buffer: at most `capacity` bytes, the last of them zero. A NULL buffer takes nothing.
+   subroutine to_c(s, buffer, capacity)
+      character(*), intent(in) :: s
+      type(c_ptr), intent(in) :: buffer
+      integer(c_size_t), intent(in) :: capacity
+      character(kind=c_char), pointer :: c(:)
+      integer :: n, i
+      if (.not. c_associated(buffer) .or. capacity == 0) return
+      n = len(s)
+      if (capacity > 0) n = int(min(int(n, c_size_t), capacity - 1)) ! a capacity beyond the signed range is enough
+      call c_f_pointer(buffer, c, [n + 1])
+      do i = 1, n
+         c(i) = s(i:i)
+      end do
+      c(n + 1) = c_null_char
+   end subroutine to_c
 
 end module poinsot_api_text

@@ -21,9 +21,14 @@ module poinsot_effect_registry
    use poinsot_effect_callback, only: describe_callback
    implicit none(type, external)
    private
-   public :: effect_count, describe_effect, effect_name, effect_number, make_effect
+   public :: effect_count, effect_names, describe_effect, effect_name, effect_number, make_effect
 
    integer, parameter :: effect_count = 10 !! rows below
+
+   !> Names of the rows, in their order.
+   character(18), parameter :: effect_names(effect_count) = [character(18) :: &
+      "gravity", "field", "gravity_gradient", "spring", "torque", "drag", "langevin", "gyrostat", &
+      "dipoles", "callback"]
 
    abstract interface
       subroutine constructor(info, settings, made, error)

@@ -25,6 +25,8 @@ module poinsot_ensemble_block
       real(dp) :: carry(lanes, 7)         !! compensated sums
       integer(i8) :: id(lanes)            !! number for random streams
       integer :: status(lanes)
+      logical :: adding = .false.         !! `add` goes to the caller's momentum as it stands, and y is not looked at
+      real(dp) :: add(lanes, 3)           !! in the caller's variable and frame
    contains
       procedure :: refuse_values
    end type block_state
@@ -71,6 +73,7 @@ contains
       b%class = number
       b%at(1:n) = at
       b%status = poinsot_ok
+      b%adding = .false.
       if (n < lanes) call rest(n + 1, lanes, b%y, b%q)
       call copy_in(host%q, at, n, b%q)
       if (host%momentum == body_momentum .and. .not. turned(axes)) then
@@ -231,6 +234,10 @@ contains
             host%view%status(b%at(l)) = b%status(l)
          end do
       end if
+      if (b%adding) then
+         call add_momentum(host%view, b)
+         return
+      end if
       if (host%momentum /= body_momentum .or. turned(axes)) then
          call from_native(host%momentum, axes, class, b%y, b%q, p)
       else
@@ -265,5 +272,18 @@ contains
       p(1:n, :) = p(from(1:n), :)
       b%q(1:n, :) = b%q(from(1:n), :)
    end subroutine close_ranks
+
+   !> A kick in the caller's own variable: no turning there and back, no rounding but that of the sum.
+   subroutine add_momentum(view, b)
+      type(body_view), intent(in) :: view
+      type(block_state), intent(in) :: b
+      integer :: j, l
+      do j = 1, 3
+         do l = 1, b%n
+            if (b%status(l) /= poinsot_ok) cycle
+            view%y(j)%of(b%at(l)) = view%y(j)%of(b%at(l)) + b%add(l, j)
+         end do
+      end do
+   end subroutine add_momentum
 
 end module poinsot_ensemble_block

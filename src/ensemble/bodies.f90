@@ -3,11 +3,14 @@ module poinsot_ensemble_bodies
    use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_size_t, c_ptrdiff_t, c_double, c_int, c_int64_t, &
       c_associated, c_f_pointer, c_loc, c_sizeof
    use poinsot_core_kinds, only: dp, i8
-   use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_null, poinsot_e_size
    implicit none(type, external)
    private
-   public :: poinsot_bodies, column, body_view, view_rows, view_columns, open_view
+   public :: poinsot_bodies, column, body_view, view_rows, view_columns, open_view, open_column
+   public :: most_bodies
+
+   integer, parameter :: most_bodies = huge(0)/8 !! in one call
 
    !> What C sees as `poinsot_bodies` (include/poinsot.h): component pointers and strides in doubles.
    type, bind(c) :: poinsot_bodies
@@ -17,11 +20,12 @@ module poinsot_ensemble_bodies
       type(c_ptr) :: q(4) = c_null_ptr         !! components of the attitude, scalar first
       integer(c_ptrdiff_t) :: y_stride = 0     !! from one body to the next, in doubles
       integer(c_ptrdiff_t) :: q_stride = 0
-      type(c_ptr) :: body_class = c_null_ptr   !! class of each body, from 0; NULL: all class 0
+      type(c_ptr) :: body_class = c_null_ptr   !! class of each body; NULL: all of the first
       type(c_ptr) :: id = c_null_ptr           !! 64-bit numbers for random streams; NULL: position
       type(c_ptr) :: carry = c_null_ptr        !! 7 n compensated sums, or NULL
       type(c_ptr) :: status = c_null_ptr       !! n statuses, or NULL
       type(c_ptr) :: y_fourth = c_null_ptr     !! fourth component of a conjugate momentum, or NULL
+      integer(c_ptrdiff_t) :: first_class = 0  !! what body_class calls the first class: 0 or 1
    end type poinsot_bodies
 
    !> One component of all bodies, with whatever stride.
@@ -83,25 +87,22 @@ contains
 
       if (bodies%size /= c_sizeof(bodies)) then
          call raise(error, poinsot_e_size, "poinsot_bodies: set size = sizeof(poinsot_bodies)")
-         return
-      end if
-      if (bodies%n > huge(view%n)/8) then
+      else if (bodies%n < 0 .or. bodies%n > most_bodies) then ! an unsigned n may look negative here
          call raise(error, poinsot_e_size, "poinsot_bodies: n is beyond 268435455")
-         return
       end if
+      if (raised(error)) return
       view%n = int(bodies%n)
-      if (view%n == 0) return
-      if (view%n > 1 .and. (bodies%y_stride < 1 .or. bodies%q_stride < 1)) then
-         call raise(error, poinsot_e_size, "poinsot_bodies: y_stride and q_stride must be at least 1")
-         return
-      end if
+      view%first_class = int(max(-1_c_ptrdiff_t, min(2_c_ptrdiff_t, bodies%first_class)))
+      if (view%first_class /= 0 .and. view%first_class /= 1) &
+         call raise(error, poinsot_e_size, "poinsot_bodies: first_class must be 0 or 1")
+      if (view%n == 0 .or. raised(error)) return
       do j = 1, 3
-         call open_column(bodies%y(j), bodies%n, bodies%y_stride, view%y(j), error)
+         call open_column(bodies%y(j), bodies%n, bodies%y_stride, "poinsot_bodies: y", view%y(j), error)
       end do
       if (c_associated(bodies%y_fourth)) &
-         call open_column(bodies%y_fourth, bodies%n, bodies%y_stride, view%y(4), error)
+         call open_column(bodies%y_fourth, bodies%n, bodies%y_stride, "poinsot_bodies: y", view%y(4), error)
       do j = 1, 4
-         call open_column(bodies%q(j), bodies%n, bodies%q_stride, view%q(j), error)
+         call open_column(bodies%q(j), bodies%n, bodies%q_stride, "poinsot_bodies: q", view%q(j), error)
       end do
       if (c_associated(bodies%body_class)) call c_f_pointer(bodies%body_class, view%body_class, [bodies%n])
       if (c_associated(bodies%id)) call c_f_pointer(bodies%id, view%id, [bodies%n])
@@ -110,21 +111,25 @@ contains
       if (c_associated(bodies%status)) call c_f_pointer(bodies%status, view%status, [bodies%n])
    end subroutine open_view
 
-   subroutine open_column(base, n, stride, into, error)
+   !> One component of n > 0 bodies. POINSOT_E_NULL without a pointer, POINSOT_E_SIZE for a stride that cannot be.
+   subroutine open_column(base, n, stride, what, into, error)
       type(c_ptr), intent(in) :: base
-      integer(c_size_t), intent(in) :: n
-      integer(c_ptrdiff_t), intent(in) :: stride
+      integer(c_size_t), intent(in) :: n             !! 1 to most_bodies
+      integer(c_ptrdiff_t), intent(in) :: stride     !! in doubles
+      character(*), intent(in) :: what               !! for the message
       type(column), intent(out) :: into
       type(poinsot_error), intent(inout) :: error
       real(dp), pointer :: all(:)
       integer(c_ptrdiff_t) :: step
       if (.not. c_associated(base)) then
-         call raise(error, poinsot_e_null, "poinsot_bodies: y[0..2] and q[0..3] must not be NULL")
-         return
+         call raise(error, poinsot_e_null, what//" has a component that is NULL")
+      else if (n > 1 .and. (stride < 1 .or. stride > huge(0))) then
+         call raise(error, poinsot_e_size, what//" has a stride below 1 or beyond 2147483647 doubles")
+      else
+         step = merge(stride, 1_c_ptrdiff_t, n > 1)
+         call c_f_pointer(base, all, [1 + (n - 1)*step])
+         into%of => all(::step)
       end if
-      step = max(stride, 1_c_ptrdiff_t)
-      call c_f_pointer(base, all, [1 + (n - 1)*step])
-      into%of => all(::step)
    end subroutine open_column
 
 end module poinsot_ensemble_bodies

@@ -46,6 +46,12 @@ module poinsot_ensemble_coupled
       type(block_state) :: b
    end type station
 
+   !> What a station needs to go back to: the state before a step.
+   type :: memory
+      real(dp) :: y(lanes, 3), q(lanes, 4), carry(lanes, 7)
+      integer :: status(lanes)
+   end type memory
+
    !> All blocks as one system for the stepper.
    type, extends(flows) :: ensemble_flows
       type(poinsot_plan), pointer :: plan => null()
@@ -73,24 +79,29 @@ contains
       type(poinsot_error), intent(inout) :: error
       class(torque_callback), intent(inout), optional, target :: callback
       type(ensemble_flows) :: system
-      type(station), allocatable :: before(:)
+      type(memory), allocatable :: before(:)
       integer(i8) :: k
+      integer :: state
       logical :: failed
 
       if (present(callback)) system%callback => callback
       failed = .false.
       call gather_all(plan, view, system, failed, error)
+      if (.not. raised(error)) then
+         allocate (before(merge(size(system%at), 0, present(callback))), stat=state)
+         if (state /= 0) call raise(error, poinsot_e_memory, "no memory for the state before a step")
+      end if
       status = error%code
       if (raised(error)) return
       call enter_kernel(plan%splitting, system, t, h, first)
       do k = first, first + steps - 1
-         if (present(callback)) before = system%at
+         if (present(callback)) call remember(system, before)
          call run_steps(plan%splitting, system, t, h, k, 1_i8)
          if (system%halted) exit
       end do
       if (system%halted) then
          call raise(error, poinsot_e_callback, "the callback asked to stop")
-         system%at = before
+         call go_back(system, before)
       else
          call leave_kernel(plan%splitting, system, t, h, first + steps)
       end if
@@ -99,12 +110,40 @@ contains
       if (raised(error)) status = error%code
    end subroutine run_coupled
 
-   !> Kinetic and potential energy of each body at time t, pair energies shared between the two.
-   subroutine coupled_energy(plan, view, t, kinetic, potential, error)
+   !> Keep the state of all stations.
+   subroutine remember(system, before)
+      type(ensemble_flows), intent(in) :: system
+      type(memory), intent(inout) :: before(:)
+      integer :: k
+      do k = 1, size(before)
+         associate (f => system%at(k)%flows)
+            before(k) = memory(f%y, f%q, f%carry, f%status)
+         end associate
+      end do
+   end subroutine remember
+
+   subroutine go_back(system, before)
+      type(ensemble_flows), intent(inout) :: system
+      type(memory), intent(in) :: before(:)
+      integer :: k
+      do k = 1, size(before)
+         associate (f => system%at(k)%flows)
+            f%y = before(k)%y
+            f%q = before(k)%q
+            f%carry = before(k)%carry
+            f%status = before(k)%status
+         end associate
+      end do
+   end subroutine go_back
+
+   !> Kinetic and potential energy of each body at time t, pair energies shared between the two. A body that is refused
+   !> keeps what stands in the arrays.
+   subroutine coupled_energy(plan, view, t, kinetic, potential, status, error)
       type(poinsot_plan), intent(in), target :: plan
       type(body_view), intent(in) :: view
       real(dp), intent(in) :: t
-      real(dp), intent(out) :: kinetic(:), potential(:)
+      real(dp), intent(inout) :: kinetic(:), potential(:)
+      integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
       type(ensemble_flows) :: system
       real(dp) :: e(lanes), u(lanes)
@@ -113,6 +152,7 @@ contains
 
       failed = .false.
       call gather_all(plan, view, system, failed, error)
+      status = error%code
       if (raised(error)) return
       call lay_all(system)
       do k = 1, size(system%at)
@@ -120,11 +160,15 @@ contains
             call s%flows%energies(t, e, u)
             call add_pairs(system, k, u)
             do l = 1, s%b%n
+               if (associated(view%status)) view%status(s%b%at(l)) = s%b%status(l)
+               failed = failed .or. s%b%status(l) /= poinsot_ok
+               if (s%b%status(l) /= poinsot_ok) cycle
                kinetic(s%b%at(l)) = e(l)
                potential(s%b%at(l)) = u(l)
             end do
          end associate
       end do
+      status = merge(poinsot_e_partial, poinsot_ok, failed)
    end subroutine coupled_energy
 
    !> Load all bodies into blocks, with the flows of their classes.

@@ -47,9 +47,9 @@ contains
          return
       end if
       do i = first, last
-         class = view%body_class(i) - view%first_class + 1
-         if (class >= 1 .and. class <= classes) then
-            call insert(h, i, class)
+         class = view%body_class(i)
+         if (class >= view%first_class .and. class < view%first_class + classes) then
+            call insert(h, i, class - view%first_class + 1)
          else
             refused = .true.
             if (associated(view%status)) view%status(i) = poinsot_e_domain

@@ -11,6 +11,7 @@ module poinsot_ensemble_observe
    use poinsot_ensemble_drive, only: block_job, for_each_block
    use poinsot_ensemble_layout, only: from_native, no_axes, space_momentum
    use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
+   use poinsot_ensemble_rotate, only: check_step
    use poinsot_ensemble_step, only: check_ready
    use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
@@ -48,13 +49,13 @@ contains
       kinetic = 0
       potential = 0
       call check_ready(plan, view, error)
+      if (.not. raised(error)) call check_step(t, 1, error, "time t")
       if (.not. raised(error) .and. (size(kinetic) < view%n .or. size(potential) < view%n)) &
          call raise(error, poinsot_e_size, "energies: the arrays are shorter than the number of bodies")
       status = error%code
       if (raised(error)) return
       if (plan%coupled) then
-         call coupled_energy(plan, view, t, kinetic, potential, error)
-         status = error%code
+         call coupled_energy(plan, view, t, kinetic, potential, status, error)
          return
       end if
       call compose_classes(plan, plan%splitting, job%flows, error)
@@ -100,8 +101,8 @@ contains
          return
       end if
       do i = 1, view%n
-         c = view%body_class(i) - view%first_class + 1
-         if (c >= 1 .and. c <= size(each)) total = total + each(c)
+         c = view%body_class(i)
+         if (c >= view%first_class .and. c < view%first_class + size(each)) total = total + each(c - view%first_class + 1)
       end do
    end function total_degrees_of_freedom
 

@@ -148,7 +148,7 @@ contains
       integer(i8), intent(out) :: number
       type(poinsot_error), intent(inout) :: error
       integer :: state
-      character(40) :: range
+      character(50) :: range
       number = least
       state = 1
       if (verify(trim(value), "+-0123456789") == 0 .and. len_trim(value) > 0) read (value, *, iostat=state) number

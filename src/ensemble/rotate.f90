@@ -50,13 +50,18 @@ contains
       status = for_each_block(view, [class], axes, body_momentum, threads, job)
    end subroutine rotate_bodies
 
-   !> A step must be finite, a number of steps not negative.
-   subroutine check_step(h, steps, error)
+   !> A step (or a time) must be finite, a number of steps not negative.
+   subroutine check_step(h, steps, error, what)
       real(dp), intent(in) :: h
       integer, intent(in) :: steps
       type(poinsot_error), intent(inout) :: error
+      character(*), intent(in), optional :: what    !! for the message, if it is not "step h"
       if (.not. ieee_is_finite(h)) then
-         call raise(error, poinsot_e_domain, "step h is not finite")
+         if (present(what)) then
+            call raise(error, poinsot_e_domain, what//" is not finite")
+         else
+            call raise(error, poinsot_e_domain, "step h is not finite")
+         end if
       else if (steps < 0) then
          call raise(error, poinsot_e_size, "number of steps is negative")
       end if

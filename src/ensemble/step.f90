@@ -8,7 +8,7 @@ module poinsot_ensemble_step
    use poinsot_ensemble_bodies, only: body_view, column
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
    use poinsot_ensemble_drive, only: block_job, for_each_block
-   use poinsot_ensemble_layout, only: space_momentum, conjugate_momentum, turn_to_body
+   use poinsot_ensemble_layout, only: body_momentum, space_momentum, conjugate_momentum, turn_to_body
    use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
    use poinsot_ensemble_rotate, only: rotate_job, check_step
    use poinsot_free_accumulate, only: add_kick, add_kick_compensated
@@ -23,6 +23,7 @@ module poinsot_ensemble_step
    type, extends(block_job) :: kick_job
       type(column) :: torque(3)
       logical :: space = .false.              !! torques are in the space frame
+      logical :: same_frame = .false.         !! and so are the caller's momenta, or both in its body frame
       real(dp) :: h = 0
       real(dp), allocatable :: axes(:, :)
    contains
@@ -76,6 +77,7 @@ contains
       if (raised(error)) return
       job%torque = torque
       job%space = plan%space_torque
+      job%same_frame = plan%momentum == merge(space_momentum, body_momentum, plan%space_torque)
       job%h = h
       job%axes = plan%axes
       job%keep_attitude = .true.
@@ -97,8 +99,8 @@ contains
 
       call check_ready(plan, view, error)
       if (.not. raised(error)) call check_step(h, 1, error)
-      if (.not. raised(error)) call check_step(t, 1, error)
-      if (.not. raised(error) .and. steps < 0) call raise(error, poinsot_e_size, "number of steps is negative")
+      if (.not. raised(error)) call check_step(t, 1, error, "time t")
+      if (.not. raised(error)) call check_count(first, steps, error)
       status = error%code
       if (raised(error)) return
       if (plan%coupled .or. present(callback)) then
@@ -120,6 +122,17 @@ contains
       job%compensated = associated(view%carry)
       status = for_each_block(view, plan%classes, plan%axes, plan%momentum, plan%threads, job)
    end subroutine step_bodies
+
+   !> Steps can be counted, and the number of the one after the last.
+   pure subroutine check_count(first, steps, error)
+      integer(i8), intent(in) :: first, steps
+      type(poinsot_error), intent(inout) :: error
+      if (steps < 0) then
+         call raise(error, poinsot_e_size, "number of steps is negative")
+      else if (first > huge(first) - steps) then
+         call raise(error, poinsot_e_size, "step numbers first to first + steps leave the range of 64 bits")
+      end if
+   end subroutine check_count
 
    !> A thermostat does not run backwards.
    subroutine check_direction(flows, h, error)
@@ -163,6 +176,11 @@ contains
          end do
       end do
       call b%refuse_values(dy)
+      if (self%same_frame .and. .not. b%compensated .and. all(class%inverse > 0)) then
+         b%adding = .true.
+         b%add = self%h*dy
+         return
+      end if
       call turn_to_body(self%space, self%axes(:, b%class), b%q, dy)
       do j = 1, 3
          dy(:, j) = self%h*dy(:, j)

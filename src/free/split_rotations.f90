@@ -40,6 +40,10 @@ contains
          half = (0.5_dp*part(k))*((y(:, j) + dy(:, j))*class%inverse(j)*hl)
          call turn_about(j, half, y, q, dy, dq)
       end do
+      ! The turns leave momentum of order h^3 about an axis without inertia, where there can be none.
+      do j = 1, 3
+         if (.not. class%inverse(j) > 0) dy(:, j) = -y(:, j)
+      end do
    end subroutine three_rotations_increment
 
    !> Increments of a step of the symmetric + rotation splitting: order 2. POINSOT_E_STEP for h

@@ -1,0 +1,266 @@
+/* poinsot: rotation of rigid bodies. The C interface, C99 and C++.
+ *
+ * What is meant
+ *   body      moments of inertia I1, I2, I3 about principal axes, in any order and any unit
+ *   y         angular momentum in the body frame, in units of I times an angular velocity
+ *   q         attitude: unit quaternion, scalar first, body -> space; off unit norm by at most 1e-6
+ *   h, t      step and time, in the unit that makes y/I an angular velocity in radians per unit of time; h of either sign
+ *   class     a kind of body: bodies with the same moments
+ *   plan      what does not change from call to call: classes, method, splitting, effects, frame, momentum variable, threads
+ *
+ * Rules
+ *   Statuses  Every call that can fail returns a status. Nothing is printed, nothing stops the program, there is no global
+ *             state. A NULL where none is allowed: POINSOT_E_NULL. A body that fails (its numbers are not finite, not a unit
+ *             quaternion, momentum about an axis without inertia, a step too long for the method) keeps the state that it had
+ *             when the call began and gets a status of its own; the others go on, bit for bit as without it, and the call
+ *             returns POINSOT_E_PARTIAL. After any other failure no array has been changed, unless a function says so.
+ *   Memory    Handles are made by _create and freed by _destroy, which sets them to NULL; to destroy NULL is fine. Arrays are
+ *             the caller's, are used during the call only, and must not overlap.
+ *   Threads   All functions may be called from several threads at once. One handle may be shared by threads once it is not
+ *             changed any more: a body always, a plan after poinsot_plan_ready. The arrays of simultaneous calls must differ.
+ *             Inside a parallel region of the caller a call runs serial.
+ *   Bits      A body's result depends on the body, its class and the step: not on its neighbours, its place, the number of
+ *             bodies or of threads. With the native layout and no tensor class, ten steps in one call are ten calls of one step.
+ *   Fork      A child made by fork may call everything, with threads too: on Linux the forking thread's OpenMP workers are sent
+ *             home before the fork and are started again when they are needed. Do not fork inside a parallel region.
+ *   Traps     No call on valid input raises an invalid, overflow or divide-by-zero exception.
+ *   Processor A build for a newer processor answers POINSOT_E_CPU on an older one.
+ */
+#ifndef POINSOT_H
+#define POINSOT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef int poinsot_status;
+
+enum {
+  POINSOT_OK = 0,
+  POINSOT_E_NULL = 1,        /* a required pointer is NULL */
+  POINSOT_E_SIZE = 2,        /* a size or a stride does not fit */
+  POINSOT_E_DOMAIN = 3,      /* a value is not finite, not physical or not a unit quaternion; or the plan is (not) ready */
+  POINSOT_E_METHOD = 4,      /* unknown method, splitting, effect, layout or option name */
+  POINSOT_E_STEP = 5,        /* the step is too long for this method */
+  POINSOT_E_CONVERGENCE = 6, /* an iteration did not converge */
+  POINSOT_E_MEMORY = 7,      /* out of memory */
+  POINSOT_E_CALLBACK = 8,    /* the callback asked to stop */
+  POINSOT_E_PARTIAL = 9,     /* some bodies failed: see the status of each body */
+  POINSOT_E_IO = 10,         /* a file could not be read or written */
+  POINSOT_E_SCENE = 11,      /* the scene file has an error */
+  POINSOT_E_CPU = 12         /* this build needs a newer processor */
+};
+
+/* ---- the library -------------------------------------------------------------------------------------------------- */
+
+/* 10000 major + 100 minor + patch. */
+int poinsot_version(void);
+
+/* What a status means: constant text, never NULL, also for a number that is none. */
+const char *poinsot_status_text(poinsot_status status);
+
+/* 1 if the build has a feature, else 0: "openmp", "lapack", "avx2", "fma", "avx512", ... NULL and unknown names: 0. */
+int poinsot_has_feature(const char *name);
+
+/* Free methods, splittings and effects by number from 0: constant texts, NULL past the end. */
+size_t poinsot_method_count(void);
+const char *poinsot_method_name(size_t i);
+size_t poinsot_splitting_count(void);
+const char *poinsot_splitting_name(size_t i);
+size_t poinsot_effect_count(void);
+const char *poinsot_effect_name(size_t i);
+
+/* ---- one kind of body ---------------------------------------------------------------------------------------------- */
+
+typedef struct poinsot_body poinsot_body;
+
+/* A body from principal moments, zero or positive, the largest at most the sum of the others (to rounding).
+ * POINSOT_E_DOMAIN for others. *body is NULL after a failure. */
+poinsot_status poinsot_body_create(const double moments[3], poinsot_body **body);
+
+/* A body from its inertia tensor in any frame, row-major, symmetric. The principal axes come back as the columns of the
+ * rotation `axes` (row-major; may be NULL): x_given = axes x_principal. y and q of the body refer to the principal frame. */
+poinsot_status poinsot_body_create_tensor(const double inertia[9], poinsot_body **body, double axes[9]);
+
+/* Free a body and set the handle to NULL. body and *body may be NULL. */
+void poinsot_body_destroy(poinsot_body **body);
+
+/* `steps` free steps of length h of n bodies of one kind, in place.
+ *   method    a name of poinsot_method_name: "exact", "jacobi", "dmv2" to "dmv24", "midpoint", ...; POINSOT_E_METHOD else
+ *   n         0 to 268435455; POINSOT_E_SIZE beyond
+ *   y         [n][3] angular momenta, body frame;   q: [n][4] attitudes. NULL only if n = 0
+ *   per_body  [n] a status for each body; may be NULL
+ * Uses as many threads as OpenMP says (OMP_NUM_THREADS, omp_set_num_threads); a plan says its own number. */
+poinsot_status poinsot_rotate(const poinsot_body *body, const char *method, double h, size_t steps,
+                              size_t n, double y[], double q[], poinsot_status per_body[]);
+
+/* ---- Jacobi's elliptic functions ----------------------------------------------------------------------------------- */
+
+/* sn, cn, dn of n arguments u (|u| <= 1e15) with parameter m = k^2 in [0, 1]. m1 = 1 - m, for those who know it better than
+ * 1 - m; may be NULL. An element out of its domain gives NaN and the call POINSOT_E_DOMAIN, the others are right. */
+poinsot_status poinsot_jacobi(size_t n, const double u[], const double m[], const double m1[],
+                              double sn[], double cn[], double dn[]);
+
+/* ---- many bodies: the view ----------------------------------------------------------------------------------------- */
+
+/* How the library sees the caller's bodies. Set size = sizeof(poinsot_bodies) and all else to 0, then fill; or let
+ * poinsot_bodies_rows or poinsot_bodies_arrays do it. Component j of body i is y[j][i*y_stride], q[j][i*q_stride]. */
+typedef struct poinsot_bodies {
+  size_t size;             /* sizeof(poinsot_bodies); another size is POINSOT_E_SIZE, but for a longer struct that ends in zeros */
+  size_t n;                /* how many bodies, at most 268435455 */
+  double *y[3];            /* components of the momentum variable of the plan */
+  double *q[4];            /* components of the attitude, scalar first */
+  ptrdiff_t y_stride;      /* from one body to the next, in doubles, at least 1 */
+  ptrdiff_t q_stride;
+  const int *body_class;   /* [n] number of the class of each body; NULL: all are of the first class */
+  const int64_t *id;       /* [n] numbers for the random streams of a thermostat; NULL: the position */
+  double *carry;           /* [n][7] compensated sums, zero at the start, kept by the caller; NULL: plain sums */
+  poinsot_status *status;  /* [n] status of each body, set by each call; or NULL */
+  double *y_fourth;        /* the fourth component of a conjugate momentum, same stride; else NULL */
+  ptrdiff_t first_class;   /* what body_class calls the first class of the plan: 0, or 1 for hosts that count from 1 */
+} poinsot_bodies;
+
+/* Fill a view of n bodies that stand in rows: momentum [n][3] (or [n][4] for a conjugate momentum), attitude [n][4].
+ *   layout    "native", "lammps", "dl_poly", "hoomd": the one that the plan is set to
+ *   order     of the quaternion's components: "wxyz" or "xyzw"; NULL is "wxyz"
+ * Sets all of *bodies; class, id, carry and status to NULL. */
+poinsot_status poinsot_bodies_rows(poinsot_bodies *bodies, const char *layout, const char *order, size_t n,
+                                   double momentum[], double attitude[]);
+
+/* The same for component arrays: momentum[3] (or [4]) and attitude[4] (w, x, y, z) point to arrays of n numbers. */
+poinsot_status poinsot_bodies_arrays(poinsot_bodies *bodies, const char *layout, size_t n,
+                                     double *const momentum[], double *const attitude[4]);
+
+/* ---- many bodies: the plan ----------------------------------------------------------------------------------------- */
+
+typedef struct poinsot_plan poinsot_plan;
+
+/* A plan with method "exact", splitting "srkn6", native layout, torques in the body frame, threads as OpenMP says. */
+poinsot_status poinsot_plan_create(poinsot_plan **plan);
+
+/* Free a plan and set the handle to NULL. plan and *plan may be NULL. */
+void poinsot_plan_destroy(poinsot_plan **plan);
+
+/* Add a body class; *number is its number, counted from 0 (number may be NULL). With a tensor (row-major, in the caller's body
+ * frame) y, q and torques of its bodies refer to that frame, not to the principal one. */
+poinsot_status poinsot_plan_add_class(poinsot_plan *plan, const double moments[3], int *number);
+poinsot_status poinsot_plan_add_class_tensor(poinsot_plan *plan, const double inertia[9], int *number);
+
+/* Set an option by name:
+ *   "method"     a free method;   "splitting"  a splitting: both see above
+ *   "layout"     whose momentum variable and frame of torques the arrays have:
+ *                "native"   angular momentum, body frame; torques in the body frame
+ *                "lammps"   angular momentum, space frame; torques in the space frame
+ *                "dl_poly"  angular velocity, body frame; torques in the space frame
+ *                "hoomd"    conjugate momentum 2 q o (0, y), four components; torques in the space frame
+ *   "momentum"   or one by one: "body-momentum", "space-momentum", "body-velocity", "space-velocity", "conjugate-momentum"
+ *   "frame"      of the torques of poinsot_kick and of a callback: "body" or "space"
+ *   "threads"    "0" (as OpenMP says) to "4096"
+ *   "seed"       of random numbers, a 64-bit integer
+ * POINSOT_E_METHOD for an unknown option or name, POINSOT_E_DOMAIN for a number out of range or a plan that is ready. */
+poinsot_status poinsot_plan_set(poinsot_plan *plan, const char *option, const char *value);
+
+/* Add an effect by name, with keys and values as `poinsot effects` shows them, in one text: "centre = 0, 0, 1; weight = 2".
+ * A key that is not named has its default; the key `class` (from 1; 0 is all of them) says on which bodies it acts. Words may
+ * stand in quotes. settings may be NULL or "". Wrong keys and values: POINSOT_E_METHOD, _E_SIZE, _E_DOMAIN, and see
+ * poinsot_plan_message. */
+poinsot_status poinsot_plan_add_effect(poinsot_plan *plan, const char *name, const char *settings);
+
+/* Close the plan: it is checked, and from here on takes no change, so that threads may share it. */
+poinsot_status poinsot_plan_ready(poinsot_plan *plan);
+
+/* Why the last call on a plan that was not ready failed, as a sentence: what, where, what would be right; "" if it did not.
+ * At most capacity bytes are written, the last a zero. Returns the length of the whole sentence. buffer may be NULL with
+ * capacity 0; plan may be NULL. */
+size_t poinsot_plan_message(const poinsot_plan *plan, char *buffer, size_t capacity);
+
+/* Would poinsot_drift take these bodies with this plan? The status that it would give before it looks at any number, and the
+ * reason as a sentence, as in poinsot_plan_message. */
+poinsot_status poinsot_bodies_check(const poinsot_plan *plan, const poinsot_bodies *bodies, char *buffer, size_t capacity);
+
+/* ---- many bodies: what a host calls every step --------------------------------------------------------------------- */
+
+/* Free rotation of all bodies over h by the plan's method. */
+poinsot_status poinsot_drift(const poinsot_plan *plan, const poinsot_bodies *bodies, double h);
+
+/* Kick: y += h torque. torque[j][i*stride] is component j for body i, in the frame that the plan says; stride >= 1. */
+poinsot_status poinsot_kick(const poinsot_plan *plan, const poinsot_bodies *bodies, double h,
+                            const double *const torque[3], ptrdiff_t stride);
+
+/* The host's torques, asked for during poinsot_step. Attitudes come in the host's order and body frames, component j of body i
+ * at q[j][i*q_stride]; torques, zero on entry, go to torque[j][i*torque_stride] in the frame that the plan says. The potential
+ * energy of all bodies may be left in *energy. Called from the thread that called poinsot_step. Return 0, or something else to
+ * stop. It must not throw nor jump out. */
+typedef int poinsot_torque(void *context, double t, size_t n, const double *const q[4], ptrdiff_t q_stride,
+                           double *const torque[3], ptrdiff_t torque_stride, double *energy);
+
+/* Steps number first to first + steps - 1 of length h by the plan's splitting, with the plan's effects and the callback's
+ * torques (NULL: none). Step k starts at t + k h. first also numbers the random numbers: go on with first + steps.
+ * If the callback stops: POINSOT_E_CALLBACK, and all bodies have the state of before the step that was stopped. */
+poinsot_status poinsot_step(const poinsot_plan *plan, const poinsot_bodies *bodies, double t, double h,
+                            int64_t first, int64_t steps, poinsot_torque *callback, void *context);
+
+/* Kinetic and potential energy of each body at time t, [n] each, either may be NULL; what two bodies have together is shared
+ * between them. A callback's energy is not in it. A body that fails has zeros. */
+poinsot_status poinsot_energy(const poinsot_plan *plan, const poinsot_bodies *bodies, double t,
+                              double kinetic[], double potential[]);
+
+/* Angular momentum of each body in the space frame, [n][3]. */
+poinsot_status poinsot_momentum(const poinsot_plan *plan, const poinsot_bodies *bodies, double momentum[]);
+
+/* Rotational degrees of freedom of all bodies: 3 each, 2 of a linear one; an axis without inertia has none. */
+poinsot_status poinsot_degrees_of_freedom(const poinsot_plan *plan, const poinsot_bodies *bodies, size_t *count);
+
+/* ---- for Fortran code with implicit interfaces, also fixed form ---------------------------------------------------- *
+ * poinsot_..._f: subroutines for a compiler that adds one underscore (gfortran, ifort, ifx, flang); all arguments by reference,
+ * INTEGER of 4 bytes, DOUBLE PRECISION, a handle in an INTEGER*8, no texts. status comes last. Names are given by their number
+ * in the lists above counted from 1: method 1 = exact, 2 = jacobi, 3 = dmv2, 4 = dmv4, ... Classes count from 1. Bodies stand in
+ * rows: y(3,n) (y(4,n) for a conjugate momentum), q(4,n); in the routines that end in _a_f each component is an array of its
+ * own. class(n): the class of each body, or class(1) = 0: all are of class 1. each(n): status of each body. */
+
+/* status = POINSOT_OK, or POINSOT_E_CPU; version as poinsot_version. */
+void poinsot_version_f_(int *version, int *status);
+/* As poinsot_rotate, with the moments of the one kind of body. */
+void poinsot_rotate_f_(const double moments[3], const int *method, const double *h, const int *steps, const int *n,
+                       double y[], double q[], int each[], int *status);
+void poinsot_plan_create_f_(int64_t *plan, int *status);
+void poinsot_plan_destroy_f_(int64_t *plan);
+void poinsot_plan_add_class_f_(const int64_t *plan, const double moments[3], int *number, int *status);
+void poinsot_plan_add_tensor_f_(const int64_t *plan, const double inertia[9], int *number, int *status);
+/* option 1 method, 2 splitting: value their number; 3 layout: 1 native, 2 lammps, 3 dl_poly, 4 hoomd; 4 momentum: 1 to 5 in the
+ * order above; 5 frame: 1 body, 2 space; 6 threads; 7 seed. */
+void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *value, int *status);
+/* U = weight * (Q^T up) . centre, on all classes. */
+void poinsot_plan_gravity_f_(const int64_t *plan, const double centre[3], const double *weight, const double up[3], int *status);
+void poinsot_plan_ready_f_(const int64_t *plan, int *status);
+void poinsot_drift_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *h,
+                      int each[], int *status);
+/* torque(3,n) */
+void poinsot_kick_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *h,
+                     const double torque[], int each[], int *status);
+/* Steps with the plan's effects, from number `first` on. */
+void poinsot_step_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *t,
+                     const double *h, const int *first, const int *steps, int each[], int *status);
+/* The same and the torques of an EXTERNAL subroutine torques(t, n, q, torque, stop) with q(n,4), torque(n,3), INTEGER stop: set
+ * stop to something but 0 to stop. */
+typedef void poinsot_torque_f(const double *t, const int *n, const double q[], double torque[], int *stop);
+void poinsot_step_torque_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *t,
+                            const double *h, const int *first, const int *steps, poinsot_torque_f *torques, int each[],
+                            int *status);
+void poinsot_energy_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *t,
+                       double kinetic[], double potential[], int *status);
+/* Component arrays, not for a conjugate momentum. */
+void poinsot_drift_a_f_(const int64_t *plan, const int *n, double y1[], double y2[], double y3[], double q0[], double q1[],
+                        double q2[], double q3[], const int body_class[], const double *h, int each[], int *status);
+void poinsot_kick_a_f_(const int64_t *plan, const int *n, double y1[], double y2[], double y3[], double q0[], double q1[],
+                       double q2[], double q3[], const int body_class[], const double *h, const double torque1[],
+                       const double torque2[], const double torque3[], int each[], int *status);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,225 @@
+! Interfaces of the C functions of poinsot.h, for Fortran compilers other than the one that built the library: compile this
+! file with your program. What each function does stands in poinsot.h; texts are `trim(text)//c_null_char`, handles
+! type(c_ptr). Built with the same compiler, `use poinsot` is the shorter way.
+module poinsot_interface
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funptr, c_int, c_int64_t, c_null_ptr, c_ptr, c_intptr_t, c_size_t
+   implicit none
+   private
+   public :: poinsot_bodies
+   public :: poinsot_version, poinsot_status_text, poinsot_has_feature, poinsot_method_count, poinsot_method_name
+   public :: poinsot_splitting_count, poinsot_splitting_name, poinsot_effect_count, poinsot_effect_name
+   public :: poinsot_body_create, poinsot_body_create_tensor, poinsot_body_destroy, poinsot_rotate, poinsot_jacobi
+   public :: poinsot_bodies_rows, poinsot_bodies_arrays
+   public :: poinsot_plan_create, poinsot_plan_destroy, poinsot_plan_add_class, poinsot_plan_add_class_tensor
+   public :: poinsot_plan_set, poinsot_plan_add_effect, poinsot_plan_ready, poinsot_plan_message, poinsot_bodies_check
+   public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, poinsot_degrees_of_freedom
+
+   type, bind(c) :: poinsot_bodies
+      integer(c_size_t) :: size = 0, n = 0
+      type(c_ptr) :: y(3) = c_null_ptr, q(4) = c_null_ptr
+      integer(c_intptr_t) :: y_stride = 0, q_stride = 0
+      type(c_ptr) :: body_class = c_null_ptr, id = c_null_ptr, carry = c_null_ptr, status = c_null_ptr
+      type(c_ptr) :: y_fourth = c_null_ptr
+      integer(c_intptr_t) :: first_class = 0
+   end type poinsot_bodies
+
+   interface
+      integer(c_int) function poinsot_version() bind(c)
+         import
+      end function poinsot_version
+
+      type(c_ptr) function poinsot_status_text(status) bind(c)
+         import
+         integer(c_int), value :: status
+      end function poinsot_status_text
+
+      integer(c_int) function poinsot_has_feature(name) bind(c)
+         import
+         character(kind=c_char), intent(in) :: name(*)
+      end function poinsot_has_feature
+
+      integer(c_size_t) function poinsot_method_count() bind(c)
+         import
+      end function poinsot_method_count
+
+      type(c_ptr) function poinsot_method_name(i) bind(c)
+         import
+         integer(c_size_t), value :: i
+      end function poinsot_method_name
+
+      integer(c_size_t) function poinsot_splitting_count() bind(c)
+         import
+      end function poinsot_splitting_count
+
+      type(c_ptr) function poinsot_splitting_name(i) bind(c)
+         import
+         integer(c_size_t), value :: i
+      end function poinsot_splitting_name
+
+      integer(c_size_t) function poinsot_effect_count() bind(c)
+         import
+      end function poinsot_effect_count
+
+      type(c_ptr) function poinsot_effect_name(i) bind(c)
+         import
+         integer(c_size_t), value :: i
+      end function poinsot_effect_name
+
+      integer(c_int) function poinsot_body_create(moments, body) bind(c)
+         import
+         real(c_double), intent(in) :: moments(3)
+         type(c_ptr), intent(out) :: body
+      end function poinsot_body_create
+
+      integer(c_int) function poinsot_body_create_tensor(inertia, body, axes) bind(c)
+         import
+         real(c_double), intent(in) :: inertia(3, 3)      ! symmetric
+         type(c_ptr), intent(out) :: body
+         real(c_double), intent(out) :: axes(3, 3)        ! principal axes as rows: row-major in C
+      end function poinsot_body_create_tensor
+
+      subroutine poinsot_body_destroy(body) bind(c)
+         import
+         type(c_ptr), intent(inout) :: body
+      end subroutine poinsot_body_destroy
+
+      integer(c_int) function poinsot_rotate(body, method, h, steps, n, y, q, per_body) bind(c)
+         import
+         type(c_ptr), value :: body
+         character(kind=c_char), intent(in) :: method(*)
+         real(c_double), value :: h
+         integer(c_size_t), value :: steps, n
+         real(c_double), intent(inout) :: y(3, *), q(4, *)
+         type(c_ptr), value :: per_body                   ! c_loc of integer(c_int) :: per_body(n), or c_null_ptr
+      end function poinsot_rotate
+
+      integer(c_int) function poinsot_jacobi(n, u, m, m1, sn, cn, dn) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: u(*), m(*)
+         type(c_ptr), value :: m1                         ! c_loc of real(c_double) :: m1(n), or c_null_ptr
+         real(c_double), intent(out) :: sn(*), cn(*), dn(*)
+      end function poinsot_jacobi
+
+      integer(c_int) function poinsot_bodies_rows(bodies, layout, order, n, momentum, attitude) bind(c)
+         import
+         type(poinsot_bodies), intent(out) :: bodies
+         character(kind=c_char), intent(in) :: layout(*), order(*)
+         integer(c_size_t), value :: n
+         type(c_ptr), value :: momentum, attitude         ! c_loc of arrays that stay where they are
+      end function poinsot_bodies_rows
+
+      integer(c_int) function poinsot_bodies_arrays(bodies, layout, n, momentum, attitude) bind(c)
+         import
+         type(poinsot_bodies), intent(out) :: bodies
+         character(kind=c_char), intent(in) :: layout(*)
+         integer(c_size_t), value :: n
+         type(c_ptr), intent(in) :: momentum(*), attitude(4)
+      end function poinsot_bodies_arrays
+
+      integer(c_int) function poinsot_plan_create(plan) bind(c)
+         import
+         type(c_ptr), intent(out) :: plan
+      end function poinsot_plan_create
+
+      subroutine poinsot_plan_destroy(plan) bind(c)
+         import
+         type(c_ptr), intent(inout) :: plan
+      end subroutine poinsot_plan_destroy
+
+      integer(c_int) function poinsot_plan_add_class(plan, moments, number) bind(c)
+         import
+         type(c_ptr), value :: plan
+         real(c_double), intent(in) :: moments(3)
+         integer(c_int), intent(inout) :: number
+      end function poinsot_plan_add_class
+
+      integer(c_int) function poinsot_plan_add_class_tensor(plan, inertia, number) bind(c)
+         import
+         type(c_ptr), value :: plan
+         real(c_double), intent(in) :: inertia(3, 3)
+         integer(c_int), intent(inout) :: number
+      end function poinsot_plan_add_class_tensor
+
+      integer(c_int) function poinsot_plan_set(plan, option, value) bind(c)
+         import
+         type(c_ptr), value :: plan
+         character(kind=c_char), intent(in) :: option(*), value(*)
+      end function poinsot_plan_set
+
+      integer(c_int) function poinsot_plan_add_effect(plan, name, settings) bind(c)
+         import
+         type(c_ptr), value :: plan
+         character(kind=c_char), intent(in) :: name(*), settings(*)
+      end function poinsot_plan_add_effect
+
+      integer(c_int) function poinsot_plan_ready(plan) bind(c)
+         import
+         type(c_ptr), value :: plan
+      end function poinsot_plan_ready
+
+      integer(c_size_t) function poinsot_plan_message(plan, buffer, capacity) bind(c)
+         import
+         type(c_ptr), value :: plan
+         character(kind=c_char), intent(inout) :: buffer(*)
+         integer(c_size_t), value :: capacity
+      end function poinsot_plan_message
+
+      integer(c_int) function poinsot_bodies_check(plan, bodies, buffer, capacity) bind(c)
+         import
+         type(c_ptr), value :: plan
+         type(poinsot_bodies), intent(in) :: bodies
+         character(kind=c_char), intent(inout) :: buffer(*)
+         integer(c_size_t), value :: capacity
+      end function poinsot_bodies_check
+
+      integer(c_int) function poinsot_drift(plan, bodies, h) bind(c)
+         import
+         type(c_ptr), value :: plan
+         type(poinsot_bodies), intent(in) :: bodies
+         real(c_double), value :: h
+      end function poinsot_drift
+
+      integer(c_int) function poinsot_kick(plan, bodies, h, torque, stride) bind(c)
+         import
+         type(c_ptr), value :: plan
+         type(poinsot_bodies), intent(in) :: bodies
+         real(c_double), value :: h
+         type(c_ptr), intent(in) :: torque(3)
+         integer(c_intptr_t), value :: stride
+      end function poinsot_kick
+
+      integer(c_int) function poinsot_step(plan, bodies, t, h, first, steps, callback, context) bind(c)
+         import
+         type(c_ptr), value :: plan
+         type(poinsot_bodies), intent(in) :: bodies
+         real(c_double), value :: t, h
+         integer(c_int64_t), value :: first, steps
+         type(c_funptr), value :: callback                ! c_funloc of a bind(c) function, or c_null_funptr
+         type(c_ptr), value :: context
+      end function poinsot_step
+
+      integer(c_int) function poinsot_energy(plan, bodies, t, kinetic, potential) bind(c)
+         import
+         type(c_ptr), value :: plan
+         type(poinsot_bodies), intent(in) :: bodies
+         real(c_double), value :: t
+         real(c_double), intent(inout) :: kinetic(*), potential(*)
+      end function poinsot_energy
+
+      integer(c_int) function poinsot_momentum(plan, bodies, momentum) bind(c)
+         import
+         type(c_ptr), value :: plan
+         type(poinsot_bodies), intent(in) :: bodies
+         real(c_double), intent(inout) :: momentum(3, *)
+      end function poinsot_momentum
+
+      integer(c_int) function poinsot_degrees_of_freedom(plan, bodies, count) bind(c)
+         import
+         type(c_ptr), value :: plan
+         type(poinsot_bodies), intent(in) :: bodies
+         integer(c_size_t), intent(inout) :: count
+      end function poinsot_degrees_of_freedom
+   end interface
+
+end module poinsot_interface

@@ -1,0 +1,195 @@
+/* Entry points for Fortran with implicit interfaces: poinsot_..._f. See include/poinsot.h.
+ *
+ * In C and not in Fortran for the reason of door.c: nothing of a newer processor before the door has looked. All work goes
+ * through the door; here arguments are dereferenced and numbers become names. */
+#include "poinsot.h"
+#include <stdio.h>
+
+static poinsot_plan *plan_of(const int64_t *plan) { return plan ? (poinsot_plan *)(intptr_t)*plan : NULL; }
+
+static const char *const layouts[] = {"native", "lammps", "dl_poly", "hoomd"};
+static const char *const momenta[] = {"body-momentum", "space-momentum", "body-velocity", "space-velocity",
+                                      "conjugate-momentum"};
+static const char *const frames[] = {"body", "space"};
+
+/* Name number i, from 1, of a list; NULL outside. */
+static const char *from_list(const char *const *list, size_t length, int i) {
+  return i >= 1 && (size_t)i <= length ? list[i - 1] : NULL;
+}
+#define NAME(list, i) from_list(list, sizeof list / sizeof *list, i)
+
+static const char *method_of(int i) { return i >= 1 ? poinsot_method_name((size_t)i - 1) : NULL; }
+static const char *splitting_of(int i) { return i >= 1 ? poinsot_splitting_name((size_t)i - 1) : NULL; }
+
+static size_t count_of(const int *n) { return *n < 0 ? (size_t)-1 : (size_t)*n; }
+
+void poinsot_version_f_(int *version, int *status) {
+  char none[1];
+  *version = poinsot_version();
+  *status = poinsot_bodies_check(NULL, NULL, none, 1) == POINSOT_E_CPU ? POINSOT_E_CPU : POINSOT_OK;
+}
+
+void poinsot_rotate_f_(const double moments[3], const int *method, const double *h, const int *steps, const int *n,
+                       double y[], double q[], int each[], int *status) {
+  poinsot_body *body;
+  const char *name = method_of(*method);
+  *status = poinsot_body_create(moments, &body);
+  if (*status) return;
+  *status = !name        ? POINSOT_E_METHOD
+            : *steps < 0 ? POINSOT_E_SIZE
+                         : poinsot_rotate(body, name, *h, (size_t)*steps, count_of(n), y, q, each);
+  poinsot_body_destroy(&body);
+}
+
+void poinsot_plan_create_f_(int64_t *plan, int *status) {
+  poinsot_plan *made;
+  *status = poinsot_plan_create(&made);
+  *plan = (int64_t)(intptr_t)made;
+}
+
+void poinsot_plan_destroy_f_(int64_t *plan) {
+  poinsot_plan *handle = plan_of(plan);
+  poinsot_plan_destroy(&handle);
+  if (plan) *plan = 0;
+}
+
+void poinsot_plan_add_class_f_(const int64_t *plan, const double moments[3], int *number, int *status) {
+  int from_zero = -1;
+  *status = poinsot_plan_add_class(plan_of(plan), moments, &from_zero);
+  *number = from_zero + 1;
+}
+
+void poinsot_plan_add_tensor_f_(const int64_t *plan, const double inertia[9], int *number, int *status) {
+  int from_zero = -1;
+  *status = poinsot_plan_add_class_tensor(plan_of(plan), inertia, &from_zero);
+  *number = from_zero + 1;
+}
+
+void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *value, int *status) {
+  static const char *const options[] = {"method", "splitting", "layout", "momentum", "frame", "threads", "seed"};
+  const char *key = NAME(options, *option), *text = NULL;
+  char number[16];
+  switch (*option) {
+  case 1: text = method_of(*value); break;
+  case 2: text = splitting_of(*value); break;
+  case 3: text = NAME(layouts, *value); break;
+  case 4: text = NAME(momenta, *value); break;
+  case 5: text = NAME(frames, *value); break;
+  default:
+    snprintf(number, sizeof number, "%d", *value);
+    text = number;
+  }
+  *status = key && text ? poinsot_plan_set(plan_of(plan), key, text) : POINSOT_E_METHOD;
+}
+
+void poinsot_plan_gravity_f_(const int64_t *plan, const double centre[3], const double *weight, const double up[3], int *status) {
+  char text[256];
+  snprintf(text, sizeof text, "centre = %.17g %.17g %.17g; weight = %.17g; up = %.17g %.17g %.17g", centre[0], centre[1],
+           centre[2], *weight, up[0], up[1], up[2]);
+  *status = poinsot_plan_add_effect(plan_of(plan), "gravity", text);
+}
+
+void poinsot_plan_ready_f_(const int64_t *plan, int *status) { *status = poinsot_plan_ready(plan_of(plan)); }
+
+/* ---- bodies -------------------------------------------------------------------------------------------------------- */
+
+/* A view of rows; classes count from 1. How many components the momentum has only the plan knows: a view with too few is
+ * refused by it, and then the rows are four wide. */
+static poinsot_status rows(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], int each[],
+                           poinsot_bodies *view) {
+  poinsot_status status = poinsot_bodies_rows(view, "native", NULL, count_of(n), y, q);
+  if (status) return status;
+  view->body_class = body_class && *n > 0 && body_class[0] != 0 ? body_class : NULL;
+  view->first_class = 1;
+  view->status = each;
+  if (poinsot_bodies_check(plan_of(plan), view, NULL, 0) == POINSOT_E_SIZE && *n > 0) {
+    view->y_stride = 4;
+    view->y_fourth = y + 3;
+    for (int j = 0; j < 3; j++) view->y[j] = y + j;
+  }
+  return POINSOT_OK;
+}
+
+/* A view of component arrays. */
+static poinsot_status arrays(const int *n, double *const y[3], double *const q[4], const int body_class[], int each[],
+                             poinsot_bodies *view) {
+  poinsot_status status = poinsot_bodies_arrays(view, "native", count_of(n), y, q);
+  if (status) return status;
+  view->body_class = body_class && *n > 0 && body_class[0] != 0 ? body_class : NULL;
+  view->first_class = 1;
+  view->status = each;
+  return POINSOT_OK;
+}
+
+void poinsot_drift_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *h,
+                      int each[], int *status) {
+  poinsot_bodies view;
+  *status = rows(plan, n, y, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_drift(plan_of(plan), &view, *h);
+}
+
+void poinsot_kick_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *h,
+                     const double torque[], int each[], int *status) {
+  poinsot_bodies view;
+  const double *const components[3] = {torque, torque + 1, torque + 2};
+  *status = rows(plan, n, y, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_kick(plan_of(plan), &view, *h, components, 3);
+}
+
+void poinsot_step_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *t,
+                     const double *h, const int *first, const int *steps, int each[], int *status) {
+  poinsot_bodies view;
+  *status = rows(plan, n, y, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_step(plan_of(plan), &view, *t, *h, *first, *steps, NULL, NULL);
+}
+
+/* The host's subroutine as a context: a pointer to a function does not fit into a pointer to data. */
+typedef struct {
+  poinsot_torque_f *torques;
+} subroutine;
+
+/* The library hands over columns one after the other, which is q(n,4) and torque(n,3). */
+static int call_subroutine(void *context, double t, size_t n, const double *const q[4], ptrdiff_t q_stride,
+                           double *const torque[3], ptrdiff_t torque_stride, double *energy) {
+  int stop = 0, bodies = (int)n;
+  (void)q_stride;
+  (void)torque_stride;
+  (void)energy;
+  ((const subroutine *)context)->torques(&t, &bodies, q[0], torque[0], &stop);
+  return stop;
+}
+
+void poinsot_step_torque_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *t,
+                            const double *h, const int *first, const int *steps, poinsot_torque_f *torques, int each[],
+                            int *status) {
+  poinsot_bodies view;
+  subroutine host;
+  host.torques = torques;
+  *status = torques ? rows(plan, n, y, q, body_class, each, &view) : POINSOT_E_NULL;
+  if (*status == POINSOT_OK) *status = poinsot_step(plan_of(plan), &view, *t, *h, *first, *steps, call_subroutine, &host);
+}
+
+void poinsot_energy_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *t,
+                       double kinetic[], double potential[], int *status) {
+  poinsot_bodies view;
+  *status = rows(plan, n, y, q, body_class, NULL, &view);
+  if (*status == POINSOT_OK) *status = poinsot_energy(plan_of(plan), &view, *t, kinetic, potential);
+}
+
+void poinsot_drift_a_f_(const int64_t *plan, const int *n, double y1[], double y2[], double y3[], double q0[], double q1[],
+                        double q2[], double q3[], const int body_class[], const double *h, int each[], int *status) {
+  poinsot_bodies view;
+  double *const y[3] = {y1, y2, y3}, *const q[4] = {q0, q1, q2, q3};
+  *status = arrays(n, y, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_drift(plan_of(plan), &view, *h);
+}
+
+void poinsot_kick_a_f_(const int64_t *plan, const int *n, double y1[], double y2[], double y3[], double q0[], double q1[],
+                       double q2[], double q3[], const int body_class[], const double *h, const double torque1[],
+                       const double torque2[], const double torque3[], int each[], int *status) {
+  poinsot_bodies view;
+  double *const y[3] = {y1, y2, y3}, *const q[4] = {q0, q1, q2, q3};
+  const double *const components[3] = {torque1, torque2, torque3};
+  *status = arrays(n, y, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_kick(plan_of(plan), &view, *h, components, 1);
+}

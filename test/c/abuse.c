@@ -1,0 +1,383 @@
+/* What a C host may do wrong, and what it may ask for twice: answered, never suffered. Run plainly, under the sanitizers and
+ * under valgrind. */
+#include <math.h>
+#include <poinsot.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <pthread.h>
+
+static int checks, failures;
+
+static void check(int good, const char *what, int line) {
+  checks++;
+  if (good) return;
+  failures++;
+  fprintf(stderr, "abuse.c:%d: %s\n", line, what);
+}
+#define CHECK(condition) check(condition, #condition, __LINE__)
+
+static const double moments[3] = {0.6, 0.8, 1.0};
+
+static poinsot_plan *ready_plan(const char *layout) {
+  poinsot_plan *plan;
+  CHECK(poinsot_plan_create(&plan) == POINSOT_OK);
+  CHECK(poinsot_plan_add_class(plan, moments, NULL) == POINSOT_OK);
+  CHECK(poinsot_plan_set(plan, "layout", layout) == POINSOT_OK);
+  CHECK(poinsot_plan_ready(plan) == POINSOT_OK);
+  return plan;
+}
+
+static void library(void) {
+  int s;
+  CHECK(poinsot_version() >= 100);
+  for (s = -3; s < 20; s++) CHECK(poinsot_status_text(s) != NULL && strlen(poinsot_status_text(s)) > 0);
+  CHECK(poinsot_has_feature(NULL) == 0);
+  CHECK(poinsot_has_feature("") == 0);
+  CHECK(poinsot_has_feature("no such") == 0);
+  CHECK(poinsot_has_feature("lapack") == 1);
+  CHECK(poinsot_method_name((size_t)-1) == NULL && poinsot_method_name(poinsot_method_count()) == NULL);
+  CHECK(poinsot_splitting_name((size_t)-1) == NULL && poinsot_splitting_name(poinsot_splitting_count()) == NULL);
+  CHECK(poinsot_effect_name((size_t)-1) == NULL && poinsot_effect_name(poinsot_effect_count()) == NULL);
+  CHECK(poinsot_splitting_count() > 10 && strcmp(poinsot_splitting_name(0), "strang") == 0);
+  CHECK(poinsot_effect_count() > 5 && strcmp(poinsot_effect_name(0), "gravity") == 0);
+}
+
+static void body(void) {
+  const double bad[][3] = {{-1, 1, 1}, {1, 1, 3}, {NAN, 1, 1}, {INFINITY, 1, 1}, {0, 0, 1}};
+  double tensor[9] = {2, 0.1, 0, 0.1, 2, 0, 0, 0, 2}, axes[9], y[3] = {0.1, 0.2, 0.3}, q[4] = {1, 0, 0, 0};
+  double y2[2][3] = {{NAN, 0, 0}, {0.1, 0.2, 0.3}}, q2[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};
+  poinsot_body *it = NULL;
+  poinsot_status each[2] = {-1, -1};
+  size_t i;
+  CHECK(poinsot_body_create(NULL, &it) == POINSOT_E_NULL && it == NULL);
+  CHECK(poinsot_body_create(moments, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_body_create_tensor(NULL, &it, axes) == POINSOT_E_NULL && it == NULL);
+  CHECK(poinsot_body_create_tensor(tensor, NULL, axes) == POINSOT_E_NULL);
+  for (i = 0; i < sizeof bad / sizeof *bad; i++) CHECK(poinsot_body_create(bad[i], &it) == POINSOT_E_DOMAIN && it == NULL);
+  tensor[1] = 5;
+  CHECK(poinsot_body_create_tensor(tensor, &it, axes) == POINSOT_E_DOMAIN && it == NULL);
+  tensor[1] = NAN;
+  CHECK(poinsot_body_create_tensor(tensor, &it, axes) == POINSOT_E_DOMAIN && it == NULL);
+  tensor[1] = 0.1;
+  CHECK(poinsot_body_create_tensor(tensor, &it, NULL) == POINSOT_OK && it != NULL);
+  poinsot_body_destroy(&it);
+  CHECK(it == NULL);
+  poinsot_body_destroy(&it);
+  poinsot_body_destroy(NULL);
+
+  CHECK(poinsot_body_create(moments, &it) == POINSOT_OK);
+  CHECK(poinsot_rotate(NULL, "exact", 0.1, 1, 1, y, q, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_rotate(it, NULL, 0.1, 1, 1, y, q, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_rotate(it, "exact", 0.1, 1, 1, NULL, q, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_rotate(it, "exact", 0.1, 1, 1, y, NULL, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_rotate(it, "exakt", 0.1, 1, 1, y, q, NULL) == POINSOT_E_METHOD);
+  CHECK(poinsot_rotate(it, "", 0.1, 1, 1, y, q, NULL) == POINSOT_E_METHOD);
+  CHECK(poinsot_rotate(it, "exact", NAN, 1, 1, y, q, NULL) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_rotate(it, "exact", INFINITY, 1, 1, y, q, NULL) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_rotate(it, "exact", 0.1, 1, (size_t)-1, y, q, NULL) == POINSOT_E_SIZE);
+  CHECK(poinsot_rotate(it, "exact", 0.1, 1, (size_t)1 << 40, y, q, NULL) == POINSOT_E_SIZE);
+  CHECK(poinsot_rotate(it, "exact", 0.1, (size_t)-1, 1, y, q, NULL) == POINSOT_E_SIZE);
+  CHECK(y[0] == 0.1 && q[0] == 1);
+  CHECK(poinsot_rotate(it, "exact", 0.1, 1, 0, NULL, NULL, NULL) == POINSOT_OK);
+  CHECK(poinsot_rotate(it, "exact", 0.1, 0, 1, y, q, each) == POINSOT_OK && y[0] == 0.1 && q[0] == 1 && each[0] == 0);
+  CHECK(poinsot_rotate(it, "dmv8", 100.0, 1, 1, y, q, each) == POINSOT_E_PARTIAL && each[0] == POINSOT_E_STEP && y[0] == 0.1);
+  q[0] = 0;
+  CHECK(poinsot_rotate(it, "exact", 0.1, 1, 1, y, q, each) == POINSOT_E_PARTIAL && each[0] == POINSOT_E_DOMAIN && q[0] == 0);
+  CHECK(poinsot_rotate(it, "exact", 0.1, 1, 2, y2[0], q2[0], each) == POINSOT_E_PARTIAL);
+  CHECK(each[0] == POINSOT_E_DOMAIN && each[1] == POINSOT_OK && isnan(y2[0][0]) && q2[1][0] != 1);
+  poinsot_body_destroy(&it);
+}
+
+static void jacobi(void) {
+  double u[3] = {0.5, NAN, 1e6}, m[3] = {0.5, 0.5, 1.0}, m1[3] = {0.5, 0.5, 1e-300}, s[3], c[3], d[3];
+  CHECK(poinsot_jacobi(3, NULL, m, NULL, s, c, d) == POINSOT_E_NULL);
+  CHECK(poinsot_jacobi(3, u, NULL, NULL, s, c, d) == POINSOT_E_NULL);
+  CHECK(poinsot_jacobi(3, u, m, NULL, NULL, c, d) == POINSOT_E_NULL);
+  CHECK(poinsot_jacobi(0, NULL, NULL, NULL, NULL, NULL, NULL) == POINSOT_OK);
+  CHECK(poinsot_jacobi((size_t)-1, u, m, NULL, s, c, d) == POINSOT_E_SIZE);
+  CHECK(poinsot_jacobi(3, u, m, m1, s, c, d) == POINSOT_E_DOMAIN);
+  CHECK(fabs(s[0] - 0.47075047365565734) < 1e-15 && isnan(s[1]) && fabs(d[2]*d[2] + s[2]*s[2] - 1) < 1e-12);
+  CHECK(poinsot_jacobi(1, u, m, NULL, s, c, d) == POINSOT_OK && fabs(s[0]*s[0] + c[0]*c[0] - 1) < 1e-15);
+  m[0] = 2;
+  CHECK(poinsot_jacobi(1, u, m, NULL, s, c, d) == POINSOT_E_DOMAIN && isnan(s[0]));
+}
+
+static void plan(void) {
+  poinsot_plan *it = NULL;
+  const double bad[3] = {1, 1, 3}, tensor[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  char text[1024];
+  int number = 7;
+  size_t length, i;
+  const char *const options[][2] = {{"method", "exakt"}, {"splitting", ""}, {"layout", "lamps"}, {"frame", "spice"},
+                                    {"momentum", "L"}, {"colour", "red"}};
+  const char *const settings[] = {"centre", "=", "centre = ", "= 1", "centre = 0, 0, one", "centre = 0 0", "centre = nan 0 0",
+                                  "middle = 0 0 1", "centre = 'x'", "centre = 0 0 1; centre = 0 0 1", ";;;", "",
+                                  "centre = 0 0 1; weight = 1e400", "centre = 0 0 1; class = 9; class = 1"};
+  CHECK(poinsot_plan_create(NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_plan_add_class(NULL, moments, &number) == POINSOT_E_NULL && number == 7);
+  CHECK(poinsot_plan_add_class_tensor(NULL, tensor, &number) == POINSOT_E_NULL);
+  CHECK(poinsot_plan_set(NULL, "method", "exact") == POINSOT_E_NULL);
+  CHECK(poinsot_plan_add_effect(NULL, "gravity", "") == POINSOT_E_NULL);
+  CHECK(poinsot_plan_ready(NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_plan_message(NULL, NULL, 0) == 0);
+  CHECK(poinsot_plan_message(NULL, text, sizeof text) == 0 && text[0] == 0);
+
+  CHECK(poinsot_plan_create(&it) == POINSOT_OK && it);
+  CHECK(poinsot_plan_ready(it) == POINSOT_E_SIZE); /* no class yet */
+  CHECK(poinsot_plan_add_class(it, NULL, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_plan_add_class_tensor(it, NULL, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_plan_add_class(it, bad, &number) == POINSOT_E_DOMAIN && number == 7);
+  length = poinsot_plan_message(it, NULL, 0);
+  CHECK(length > 10);
+  CHECK(poinsot_plan_message(it, NULL, 1000) == length);
+  memset(text, 'x', sizeof text);
+  CHECK(poinsot_plan_message(it, text, 8) == length && strlen(text) == 7 && text[8] == 'x');
+  CHECK(poinsot_plan_message(it, text, 1) == length && text[0] == 0);
+  CHECK(poinsot_plan_message(it, text, (size_t)-1) == length);
+  CHECK(poinsot_plan_add_class(it, moments, &number) == POINSOT_OK && number == 0);
+  CHECK(poinsot_plan_message(it, text, sizeof text) == 0);
+  CHECK(poinsot_plan_add_class(it, moments, &number) == POINSOT_OK && number == 1);
+  CHECK(poinsot_plan_set(it, NULL, "exact") == POINSOT_E_NULL);
+  CHECK(poinsot_plan_set(it, "method", NULL) == POINSOT_E_NULL);
+  for (i = 0; i < sizeof options / sizeof *options; i++)
+    CHECK(poinsot_plan_set(it, options[i][0], options[i][1]) == POINSOT_E_METHOD);
+  CHECK(poinsot_plan_set(it, "threads", "-1") == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_set(it, "threads", "99999999999999999999") == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_set(it, "threads", "two") == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_set(it, "seed", "1.5") == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_add_effect(it, NULL, "") == POINSOT_E_NULL);
+  CHECK(poinsot_plan_add_effect(it, "grawity", "centre = 0 0 1") == POINSOT_E_METHOD);
+  CHECK(poinsot_plan_add_effect(it, "callback", NULL) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_add_effect(it, "gravity", NULL) != POINSOT_OK);
+  for (i = 0; i < sizeof settings / sizeof *settings; i++) {
+    CHECK(poinsot_plan_add_effect(it, "gravity", settings[i]) != POINSOT_OK);
+    CHECK(poinsot_plan_message(it, NULL, 0) > 0);
+  }
+  {
+    char *endless = malloc(200001);
+    memset(endless, 'x', 200000);
+    endless[200000] = 0;
+    CHECK(poinsot_plan_add_effect(it, "gravity", endless) != POINSOT_OK);
+    CHECK(poinsot_plan_set(it, "method", endless) == POINSOT_E_METHOD);
+    CHECK(poinsot_plan_set(it, endless, "exact") == POINSOT_E_METHOD);
+    free(endless);
+  }
+  CHECK(poinsot_plan_add_effect(it, "gravity", "\tcentre = 0, 0, 1 ;\n class=2;") == POINSOT_OK);
+  CHECK(poinsot_plan_add_effect(it, "gravity", "centre = 0 0 1; class = 3") == POINSOT_OK);
+  CHECK(poinsot_plan_ready(it) == POINSOT_E_DOMAIN); /* class 3 does not exist */
+  poinsot_plan_destroy(&it);
+  CHECK(it == NULL);
+  poinsot_plan_destroy(&it);
+  poinsot_plan_destroy(NULL);
+
+  it = ready_plan("native");
+  CHECK(poinsot_plan_ready(it) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_set(it, "method", "jacobi") == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_add_class(it, moments, NULL) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_add_effect(it, "gravity", "centre = 0 0 1") == POINSOT_E_DOMAIN);
+  poinsot_plan_destroy(&it);
+}
+
+static int quiet(void *context, double t, size_t n, const double *const q[4], ptrdiff_t q_stride, double *const torque[3],
+                 ptrdiff_t torque_stride, double *energy) {
+  (void)t, (void)n, (void)q, (void)q_stride, (void)torque, (void)torque_stride, (void)energy;
+  return context != NULL;
+}
+
+static int not_finite(void *context, double t, size_t n, const double *const q[4], ptrdiff_t q_stride, double *const torque[3],
+                      ptrdiff_t torque_stride, double *energy) {
+  (void)context, (void)t, (void)n, (void)q, (void)q_stride, (void)torque_stride, (void)energy;
+  torque[1][0] = NAN;
+  return 0;
+}
+
+static void bodies(void) {
+  enum { n = 3 };
+  double y[n][3], q[n][4], y0[n][3], q0[n][4], torque[3] = {0, 0, 0}, carry[7 * n] = {0}, kinetic[n], potential[n];
+  const double *const pushes[3] = {torque, torque, torque}, *const missing[3] = {torque, NULL, torque};
+  double *const columns[4] = {y[0], y[0], y[0], NULL}, *const attitudes[4] = {q[0], q[0], q[0], q[0]};
+  poinsot_plan *it = ready_plan("native"), *four = ready_plan("hoomd"), *open = NULL;
+  poinsot_bodies view, v;
+  struct {
+    poinsot_bodies known;
+    double more[4];
+  } newer;
+  poinsot_status each[n];
+  int classes[n] = {0, 0, 0}, nobody[n] = {2147483647, -2147483647 - 1, 1};
+  int64_t id[n] = {-5, 9223372036854775807LL, 0};
+  char text[200];
+  size_t count;
+  int i;
+  for (i = 0; i < n; i++) {
+    const double yi[3] = {0.1 + i, 0.2, -0.3}, qi[4] = {0.6, 0, 0.8, 0};
+    memcpy(y[i], yi, sizeof yi);
+    memcpy(q[i], qi, sizeof qi);
+  }
+  memcpy(y0, y, sizeof y);
+  memcpy(q0, q, sizeof q);
+
+  CHECK(poinsot_bodies_rows(NULL, "native", NULL, n, y[0], q[0]) == POINSOT_E_NULL);
+  CHECK(poinsot_bodies_rows(&view, NULL, NULL, n, y[0], q[0]) == POINSOT_E_NULL);
+  CHECK(poinsot_bodies_rows(&view, "native", NULL, n, NULL, q[0]) == POINSOT_E_NULL);
+  CHECK(poinsot_bodies_rows(&view, "native", NULL, n, y[0], NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_bodies_rows(&view, "nativ", NULL, n, y[0], q[0]) == POINSOT_E_METHOD);
+  CHECK(poinsot_bodies_rows(&view, "native", "zyxw", n, y[0], q[0]) == POINSOT_E_METHOD);
+  CHECK(poinsot_bodies_rows(&view, "native", NULL, (size_t)-1, y[0], q[0]) == POINSOT_E_SIZE);
+  CHECK(poinsot_bodies_rows(&view, "native", NULL, 0, NULL, NULL) == POINSOT_OK);
+  CHECK(poinsot_drift(it, &view, 0.1) == POINSOT_OK);
+  CHECK(poinsot_step(it, &view, 0, 0.1, 0, 3, quiet, NULL) == POINSOT_OK);
+  CHECK(poinsot_kick(it, &view, 0.1, pushes, 1) == POINSOT_OK);
+  CHECK(poinsot_energy(it, &view, 0.1, NULL, NULL) == POINSOT_OK);
+  CHECK(poinsot_momentum(it, &view, NULL) == POINSOT_OK);
+  CHECK(poinsot_degrees_of_freedom(it, &view, &count) == POINSOT_OK && count == 0);
+  CHECK(poinsot_bodies_arrays(NULL, "native", 1, columns, attitudes) == POINSOT_E_NULL);
+  CHECK(poinsot_bodies_arrays(&view, "native", 1, NULL, attitudes) == POINSOT_E_NULL);
+  CHECK(poinsot_bodies_arrays(&view, "native", 1, columns, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_bodies_arrays(&view, "hoomd", 1, columns, attitudes) == POINSOT_E_NULL);
+  CHECK(poinsot_bodies_arrays(&view, "native", 1, columns, attitudes) == POINSOT_OK);
+
+  CHECK(poinsot_bodies_rows(&view, "native", NULL, n, y[0], q[0]) == POINSOT_OK);
+  view.status = each;
+  CHECK(poinsot_drift(NULL, &view, 0.1) == POINSOT_E_NULL);
+  CHECK(poinsot_drift(it, NULL, 0.1) == POINSOT_E_NULL);
+  CHECK(poinsot_kick(NULL, &view, 0.1, pushes, 1) == POINSOT_E_NULL);
+  CHECK(poinsot_kick(it, NULL, 0.1, pushes, 1) == POINSOT_E_NULL);
+  CHECK(poinsot_kick(it, &view, 0.1, NULL, 1) == POINSOT_E_NULL);
+  CHECK(poinsot_kick(it, &view, 0.1, missing, 1) == POINSOT_E_NULL);
+  CHECK(poinsot_kick(it, &view, 0.1, pushes, 0) == POINSOT_E_SIZE);
+  CHECK(poinsot_kick(it, &view, 0.1, pushes, -3) == POINSOT_E_SIZE);
+  CHECK(poinsot_kick(it, &view, NAN, pushes, 1) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_step(NULL, &view, 0, 0.1, 0, 1, NULL, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_step(it, NULL, 0, 0.1, 0, 1, NULL, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_step(it, &view, NAN, 0.1, 0, 1, NULL, NULL) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_step(it, &view, 0, INFINITY, 0, 1, NULL, NULL) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_step(it, &view, 0, 0.1, 0, -1, NULL, NULL) == POINSOT_E_SIZE);
+  CHECK(poinsot_step(it, &view, 0, 0.1, 9223372036854775807LL, 2, NULL, NULL) == POINSOT_E_SIZE);
+  CHECK(poinsot_step(it, &view, 0, 0.1, 0, 1, quiet, &view) == POINSOT_E_CALLBACK);
+  CHECK(poinsot_drift(it, &view, NAN) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_energy(NULL, &view, 0, kinetic, potential) == POINSOT_E_NULL);
+  CHECK(poinsot_energy(it, NULL, 0, kinetic, potential) == POINSOT_E_NULL);
+  CHECK(poinsot_energy(it, &view, NAN, kinetic, potential) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_momentum(NULL, &view, kinetic) == POINSOT_E_NULL);
+  CHECK(poinsot_momentum(it, NULL, kinetic) == POINSOT_E_NULL);
+  CHECK(poinsot_momentum(it, &view, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_degrees_of_freedom(NULL, &view, &count) == POINSOT_E_NULL);
+  CHECK(poinsot_degrees_of_freedom(it, NULL, &count) == POINSOT_E_NULL);
+  CHECK(poinsot_degrees_of_freedom(it, &view, NULL) == POINSOT_E_NULL);
+  CHECK(poinsot_degrees_of_freedom(it, &view, &count) == POINSOT_OK && count == 9);
+  CHECK(poinsot_bodies_check(it, NULL, text, sizeof text) == POINSOT_E_NULL && strlen(text) > 0);
+  CHECK(poinsot_bodies_check(NULL, &view, text, sizeof text) == POINSOT_E_NULL && strlen(text) > 0);
+  CHECK(poinsot_bodies_check(four, &view, text, sizeof text) == POINSOT_E_SIZE && strstr(text, "y_fourth"));
+  CHECK(poinsot_bodies_check(it, &view, NULL, 0) == POINSOT_OK);
+  CHECK(poinsot_drift(four, &view, 0.1) == POINSOT_E_SIZE);
+
+  CHECK(poinsot_plan_create(&open) == POINSOT_OK);
+  CHECK(poinsot_drift(open, &view, 0.1) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_kick(open, &view, 0.1, pushes, 1) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_step(open, &view, 0, 0.1, 0, 1, NULL, NULL) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_energy(open, &view, 0.1, kinetic, NULL) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_degrees_of_freedom(open, &view, &count) == POINSOT_E_DOMAIN);
+  poinsot_plan_destroy(&open);
+
+#define WITH(change, expected) v = view; change; CHECK(poinsot_drift(it, &v, 0.1) == expected)
+  WITH(v.size = 0, POINSOT_E_SIZE);
+  WITH(v.size = sizeof v - 8, POINSOT_E_SIZE);
+  WITH(v.size = (size_t)-1, POINSOT_E_SIZE);
+  WITH(v.n = (size_t)-1, POINSOT_E_SIZE);
+  WITH(v.n = (size_t)1 << 31, POINSOT_E_SIZE);
+  WITH(v.y_stride = 0, POINSOT_E_SIZE);
+  WITH(v.q_stride = -4, POINSOT_E_SIZE);
+  WITH(v.q_stride = PTRDIFF_MAX, POINSOT_E_SIZE);
+  WITH(v.y[2] = NULL, POINSOT_E_NULL);
+  WITH(v.q[0] = NULL, POINSOT_E_NULL);
+  WITH(v.first_class = 2, POINSOT_E_SIZE);
+  WITH(v.body_class = nobody, POINSOT_E_PARTIAL);
+  for (i = 0; i < n; i++) CHECK(each[i] == POINSOT_E_DOMAIN);
+  CHECK(poinsot_degrees_of_freedom(it, &v, &count) == POINSOT_OK && count == 0);
+  memset(&newer, 0, sizeof newer);
+  newer.known = view;
+  newer.known.size = sizeof newer;
+  newer.more[3] = 1;
+  CHECK(poinsot_drift(it, &newer.known, 0.1) == POINSOT_E_SIZE);
+  CHECK(poinsot_step(it, &view, 0, 0.1, 0, 0, NULL, NULL) == POINSOT_OK);
+  CHECK(memcmp(y, y0, sizeof y) == 0 && memcmp(q, q0, sizeof q) == 0); /* nothing has moved so far */
+  newer.more[3] = 0;
+  CHECK(poinsot_drift(it, &newer.known, 0.1) == POINSOT_OK);
+  CHECK(memcmp(q, q0, sizeof q) != 0);
+
+  memcpy(y, y0, sizeof y);
+  memcpy(q, q0, sizeof q);
+  q[1][2] = 1e300;
+  y[2][0] = INFINITY;
+  view.body_class = classes;
+  view.id = id;
+  view.carry = carry;
+  CHECK(poinsot_drift(it, &view, 0.1) == POINSOT_E_PARTIAL);
+  CHECK(each[0] == POINSOT_OK && each[1] == POINSOT_E_DOMAIN && each[2] == POINSOT_E_DOMAIN);
+  CHECK(q[1][2] == 1e300 && isinf(y[2][0]) && memcmp(q[2], q0[2], sizeof q[2]) == 0 && q[0][0] != q0[0][0]);
+  CHECK(poinsot_energy(it, &view, 0, kinetic, potential) == POINSOT_E_PARTIAL && kinetic[1] == 0 && kinetic[0] > 0);
+  torque[0] = NAN;
+  CHECK(poinsot_kick(it, &view, 0.1, pushes, 1) == POINSOT_E_PARTIAL && each[0] == POINSOT_E_DOMAIN);
+  memcpy(y, y0, sizeof y);
+  memcpy(q, q0, sizeof q);
+  CHECK(poinsot_step(it, &view, 0, 0.1, 0, 2, not_finite, NULL) == POINSOT_E_PARTIAL);
+  CHECK(each[0] == POINSOT_E_DOMAIN && each[1] == POINSOT_OK && memcmp(y[0], y0[0], sizeof y[0]) == 0);
+  poinsot_plan_destroy(&it);
+  poinsot_plan_destroy(&four);
+}
+
+/* ---- two threads, one plan ------------------------------------------------------------------------------------------ */
+
+enum { many = 1000 };
+typedef struct {
+  const poinsot_plan *plan;
+  double y[many][3], q[many][4];
+  poinsot_status status;
+} half;
+
+static void *run(void *given) {
+  half *mine = given;
+  poinsot_bodies view;
+  size_t i;
+  int k;
+  for (i = 0; i < many; i++) {
+    const double yi[3] = {sin((double)i), cos((double)i), 0.5}, qi[4] = {1, 0, 0, 0};
+    memcpy(mine->y[i], yi, sizeof yi);
+    memcpy(mine->q[i], qi, sizeof qi);
+  }
+  mine->status = poinsot_bodies_rows(&view, "native", "wxyz", many, mine->y[0], mine->q[0]);
+  for (k = 0; k < 5 && mine->status == POINSOT_OK; k++)
+    mine->status = poinsot_step(mine->plan, &view, 0, 0.01, 4 * k, 4, NULL, NULL);
+  return NULL;
+}
+
+static void threads(void) {
+  poinsot_plan *plan;
+  half *two = calloc(2, sizeof *two);
+  pthread_t other;
+  CHECK(poinsot_plan_create(&plan) == POINSOT_OK);
+  CHECK(poinsot_plan_add_class(plan, moments, NULL) == POINSOT_OK);
+  CHECK(poinsot_plan_add_effect(plan, "gravity", "centre = 0 0 1") == POINSOT_OK);
+  CHECK(poinsot_plan_set(plan, "threads", "2") == POINSOT_OK);
+  CHECK(poinsot_plan_ready(plan) == POINSOT_OK);
+  two[0].plan = two[1].plan = plan;
+  CHECK(pthread_create(&other, NULL, run, &two[1]) == 0);
+  run(&two[0]);
+  pthread_join(other, NULL);
+  CHECK(two[0].status == POINSOT_OK && two[1].status == POINSOT_OK);
+  CHECK(memcmp(two[0].y, two[1].y, sizeof two[0].y) == 0 && memcmp(two[0].q, two[1].q, sizeof two[0].q) == 0);
+  poinsot_plan_destroy(&plan);
+  free(two);
+}
+
+int main(void) {
+  library();
+  body();
+  jacobi();
+  plan();
+  bodies();
+  threads();
+  printf("abuse: %d checks, %d failed\n", checks, failures);
+  return failures != 0;
+}

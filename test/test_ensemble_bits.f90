@@ -1,0 +1,388 @@
+!> Room ensemble: a body's bits depend on nothing but the body, its class and the step.
+module test_ensemble_bits
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+   use testdrive, only: unittest_type, new_unittest, error_type, check
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_step
+   use poinsot_ensemble_bodies, only: body_view, view_rows
+   use poinsot_ensemble_coupled, only: torque_callback
+   use poinsot_ensemble_plan, only: poinsot_plan, make_ready, set_option
+   use poinsot_ensemble_rotate, only: rotate_bodies
+   use poinsot_ensemble_step, only: drift_bodies, step_bodies
+   use poinsot_free_method, only: method_count, method_name
+   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, class_count, same_bits
+   implicit none(type, external)
+   private
+   public :: collect_bits
+
+   !> A torque that depends on the attitude, differently for each component.
+   type, extends(torque_callback) :: swirl
+   contains
+      procedure :: evaluate => evaluate_swirl
+   end type swirl
+
+   real(dp), parameter :: h = 0.05_dp
+
+contains
+
+   subroutine collect_bits(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+      testsuite = [ &
+         new_unittest("bits-threads", test_threads), &
+         new_unittest("bits-place", test_place), &
+         new_unittest("bits-one-in-a-hundred-thousand", test_one), &
+         new_unittest("bits-steps", test_steps), &
+         new_unittest("bits-callback", test_callback), &
+         new_unittest("bits-no-effect-is-the-rotor", test_bare), &
+         new_unittest("bits-failed-bodies", test_failed_bodies), &
+         new_unittest("bits-inside-a-parallel-region", test_nested), &
+         new_unittest("bits-thermostat-by-id", test_ids)]
+   end subroutine collect_bits
+
+   !> Gravity on one class, drag on all, so that schemes differ between classes.
+   subroutine busy_plan(method, threads, plan)
+      character(*), intent(in) :: method
+      integer, intent(in) :: threads
+      type(poinsot_plan), intent(out) :: plan
+      type(poinsot_error) :: problem
+      character(4) :: number
+      call mixed_plan(plan)
+      call with_effect(plan, "gravity", "centre = 0.1, 0.2, 1; class = 2")
+      call with_effect(plan, "gravity", "centre = 0.1, 0.2, 1; class = 9")
+      call set_option(plan, "method", method, problem)
+      write (number, "(i0)") threads
+      call set_option(plan, "threads", trim(number), problem)
+      call make_ready(plan, problem)
+      if (raised(problem)) error stop "busy_plan"
+   end subroutine busy_plan
+
+   subroutine open(it, view)
+      type(crowd), intent(in), target :: it
+      type(body_view), intent(out) :: view
+      call view_rows(it%y, it%q, view)
+      view%body_class => it%class
+   end subroutine open
+
+   subroutine compare(error, a, b, what)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), intent(in) :: a, b
+      character(*), intent(in) :: what
+      call check(error, same_bits(a%y, b%y) .and. same_bits(a%q, b%q), what)
+   end subroutine compare
+
+   !> The same bits by one, two and three threads, for every method.
+   subroutine test_threads(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, one, many
+      type(poinsot_plan) :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      integer :: m, threads, status
+      call make_crowd(3000, start)
+      do m = 1, method_count()
+         do threads = 1, 3
+            call busy_plan(method_name(m), threads, plan)
+            many = start
+            call open(many, view)
+            call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
+            call check(error, status, poinsot_ok, method_name(m)//": some failed")
+            if (allocated(error)) return
+            if (threads == 1) one = many
+            call compare(error, one, many, method_name(m)//": bits depend on threads")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_threads
+
+   !> Classes mixed, sorted by class, in reverse, and one by one.
+   subroutine test_place(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, mixed, sorted, alone
+      type(poinsot_plan) :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      integer, allocatable :: places(:)
+      integer :: i, m, status
+      call make_crowd(700, start)
+      do m = 1, method_count()
+         call busy_plan(method_name(m), 1, plan)
+         mixed = start
+         call open(mixed, view)
+         call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
+         places = order_by_class(start)
+         sorted = taken(start, places)
+         call open(sorted, view)
+         call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
+         call compare(error, sorted, taken(mixed, places), method_name(m)//": sorted by class")
+         if (allocated(error)) return
+         do i = 1, start%n, 97
+            alone = taken(start, [i])
+            call open(alone, view)
+            call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
+            call compare(error, alone, taken(mixed, [i]), method_name(m)//": alone")
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_place
+
+   pure function order_by_class(it) result(places)
+      type(crowd), intent(in) :: it
+      integer, allocatable :: places(:)
+      integer :: c, i
+      allocate (places(0))
+      do c = class_count, 1, -1
+         places = [places, pack([(i, i=1, it%n)], it%class == c)]
+      end do
+   end function order_by_class
+
+   pure function taken(it, places) result(some)
+      type(crowd), intent(in) :: it
+      integer, intent(in) :: places(:)
+      type(crowd) :: some
+      some%n = size(places)
+      some%y = it%y(:, places)
+      some%q = it%q(:, places)
+      some%class = it%class(places)
+   end function taken
+
+   !> n = 1 equals its place in 10^5.
+   subroutine test_one(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, all, alone
+      type(poinsot_plan) :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      integer :: i, status
+      call make_crowd(100000, start)
+      call busy_plan("exact", 2, plan)
+      all = start
+      call open(all, view)
+      call drift_bodies(plan, view, h, status, problem)
+      do i = 1, start%n, 9973
+         alone = taken(start, [i])
+         call open(alone, view)
+         call drift_bodies(plan, view, h, status, problem)
+         call compare(error, alone, taken(all, [i]), "one in a hundred thousand")
+         if (allocated(error)) return
+      end do
+   end subroutine test_one
+
+   !> Ten steps are ten steps of one, with effects, with and without compensated sums, for every splitting's ends.
+   subroutine test_steps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, at_once, one_by_one
+      type(poinsot_plan) :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      real(dp), allocatable, target :: carry(:, :, :)
+      integer :: k, m, status
+      logical :: compensated
+      call make_crowd(200, start)
+      where (start%class == class_count) start%class = 1 ! a tensor class turns frames at the border, which rounds
+      allocate (carry(7, start%n, 2))
+      do m = 0, 2*method_count() - 1
+         compensated = mod(m, 2) == 1
+         carry = 0
+         call busy_plan(method_name(1 + m/2), 1, plan)
+         at_once = start
+         call open(at_once, view)
+         if (compensated) view%carry => carry(:, :, 1)
+         call step_bodies(plan, view, 0.5_dp, h, 3_i8, 10_i8, status, problem)
+         one_by_one = start
+         call open(one_by_one, view)
+         if (compensated) view%carry => carry(:, :, 2)
+         do k = 3, 12
+            call step_bodies(plan, view, 0.5_dp, h, int(k, i8), 1_i8, status, problem)
+         end do
+         call compare(error, at_once, one_by_one, method_name(1 + m/2)//": ten at once")
+         if (allocated(error)) return
+         call check(error, same_bits(carry(:, :, 1), carry(:, :, 2)), method_name(1 + m/2)//": carries of ten at once")
+         if (allocated(error)) return
+         call check(error, (maxval(abs(carry)) > 0) .eqv. compensated, "carries in use")
+         if (allocated(error)) return
+      end do
+   end subroutine test_steps
+
+   subroutine evaluate_swirl(self, t, q, torque, energy, stop)
+      class(swirl), intent(inout) :: self
+      real(dp), intent(in) :: t
+      real(dp), intent(in), target :: q(:, :)
+      real(dp), intent(inout), target :: torque(:, :)
+      real(dp), intent(inout) :: energy
+      logical, intent(inout) :: stop
+      torque(:, 1) = q(:, 1)*q(:, 2) + t
+      torque(:, 2) = q(:, 3)
+      torque(:, 3) = -q(:, 2)*q(:, 4)
+      energy = 0
+      stop = .false.
+      associate (unused => self)
+      end associate
+   end subroutine evaluate_swirl
+
+   !> With a callback too: steps and threads.
+   subroutine test_callback(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, at_once, one_by_one
+      type(poinsot_plan) :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      type(swirl) :: host
+      integer :: k, status
+      call make_crowd(600, start)
+      where (start%class == class_count) start%class = 1
+      call busy_plan("exact", 1, plan)
+      at_once = start
+      call open(at_once, view)
+      call step_bodies(plan, view, 0.5_dp, h, 0_i8, 5_i8, status, problem, host)
+      call check(error, status, poinsot_ok, "steps with a callback")
+      if (allocated(error)) return
+      call busy_plan("exact", 3, plan)
+      one_by_one = start
+      call open(one_by_one, view)
+      do k = 0, 4
+         call step_bodies(plan, view, 0.5_dp, h, int(k, i8), 1_i8, status, problem, host)
+      end do
+      call compare(error, at_once, one_by_one, "five at once, by one and by three threads")
+   end subroutine test_callback
+
+   !> A plan without effects steps as it drifts, and as poinsot_rotate does.
+   subroutine test_bare(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, stepped, drifted, rotated
+      type(poinsot_plan) :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      integer :: k, status
+      call make_crowd(300, start)
+      start%class = 1
+      call plain_plan([0.6_dp, 0.8_dp, 1.0_dp], "native", plan)
+      stepped = start
+      call open(stepped, view)
+      call step_bodies(plan, view, 0.0_dp, h, 0_i8, 7_i8, status, problem)
+      drifted = start
+      call open(drifted, view)
+      do k = 1, 7
+         call drift_bodies(plan, view, h, status, problem)
+      end do
+      rotated = start
+      call open(rotated, view)
+      call rotate_bodies(plan%classes(1), plan%method, h, 7, view, 0, status, problem)
+      call compare(error, stepped, drifted, "step and drift")
+      if (allocated(error)) return
+      call compare(error, stepped, rotated, "step and rotate")
+   end subroutine test_bare
+
+   !> Bodies that fail keep their state and get a status; the others do not notice.
+   subroutine test_failed_bodies(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, healthy, ill
+      type(poinsot_plan) :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      integer, allocatable, target :: each(:)
+      integer :: failures(6), i, status
+      call make_crowd(300, start)
+      start%class = min(start%class, 7)
+      failures = [3, 40, 41, 100, 150, 299]
+      allocate (each(300))
+      call busy_plan("dmv8", 1, plan)
+      healthy = start
+      call open(healthy, view)
+      call step_bodies(plan, view, 0.0_dp, h, 0_i8, 3_i8, status, problem)
+      ill = start
+      ill%y(2, 3) = ieee_value(1.0_dp, ieee_quiet_nan)
+      ill%q(:, 40) = 0
+      ill%q(:, 41) = 2*ill%q(:, 41)
+      ill%y(:, 100) = 1e3_dp    ! a step too long for the method
+      ill%class(150) = 99
+      ill%y(1, 299) = 1e300_dp
+      start = ill
+      call open(ill, view)
+      view%status => each
+      call step_bodies(plan, view, 0.0_dp, h, 0_i8, 3_i8, status, problem)
+      call check(error, status, poinsot_e_partial, "some fail")
+      if (allocated(error)) return
+      do i = 1, start%n
+         if (any(failures == i)) then
+            call check(error, each(i), merge(poinsot_e_step, poinsot_e_domain, i == 100), "status of a body that fails")
+            if (allocated(error)) return
+            call compare(error, taken(ill, [i]), taken(start, [i]), "a body that fails keeps its state")
+         else
+            call check(error, each(i), poinsot_ok, "status of a good body")
+            if (allocated(error)) return
+            call compare(error, taken(ill, [i]), taken(healthy, [i]), "a neighbour noticed")
+         end if
+         if (allocated(error)) return
+      end do
+   end subroutine test_failed_bodies
+
+   !> Called from inside somebody's parallel region.
+   subroutine test_nested(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, outside
+      type(crowd), target :: inside(3)
+      type(poinsot_plan) :: plan
+      integer :: k
+      call make_crowd(1000, start)
+      call busy_plan("exact", 2, plan)
+      outside = start
+      call two_steps(plan, outside)
+      inside = start
+      !$omp parallel do num_threads(3)
+      do k = 1, 3
+         call two_steps(plan, inside(k))
+      end do
+      !$omp end parallel do
+      do k = 1, 3
+         call compare(error, inside(k), outside, "inside a parallel region")
+         if (allocated(error)) return
+      end do
+   end subroutine test_nested
+
+   subroutine two_steps(plan, it)
+      type(poinsot_plan), intent(in), target :: plan
+      type(crowd), intent(inout), target :: it
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      integer :: status
+      call open(it, view)
+      call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
+   end subroutine two_steps
+
+   !> Noise belongs to the body's id, wherever it stands.
+   subroutine test_ids(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, forward, back
+      type(poinsot_plan) :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      integer(i8), allocatable, target :: ids(:)
+      integer, allocatable :: reversed(:)
+      integer :: i, status
+      call make_crowd(300, start)
+      call mixed_plan(plan)
+      call with_effect(plan, "langevin", "friction = 1; temperature = 0.5")
+      call set_option(plan, "seed", "12345678901234", problem)
+      call make_ready(plan, problem)
+      call check(error, .not. raised(problem), "a plan with a thermostat")
+      if (allocated(error)) return
+      ids = [(int(i, i8)*1000003_i8, i=1, start%n)]
+      reversed = [(i, i=start%n, 1, -1)]
+      forward = start
+      call open(forward, view)
+      view%id => ids
+      call step_bodies(plan, view, 0.0_dp, h, 0_i8, 3_i8, status, problem)
+      call check(error, status, poinsot_ok, "steps with a thermostat")
+      if (allocated(error)) return
+      ids = ids(reversed)
+      back = taken(start, reversed)
+      call open(back, view)
+      view%id => ids
+      call step_bodies(plan, view, 0.0_dp, h, 0_i8, 3_i8, status, problem)
+      call compare(error, back, taken(forward, reversed), "noise by id")
+      if (allocated(error)) return
+      call check(error, .not. same_bits(forward%y, start%y), "there is noise")
+   end subroutine test_ids
+
+end module test_ensemble_bits
