@@ -12,6 +12,7 @@ module test_elliptic
    use poinsot_elliptic_jacobi, only: jacobi_am, jacobi_am_array, jacobi_array, jacobi_functions
    use poinsot_elliptic_legendre, only: inverse_cn, inverse_dn, inverse_sn, legendre_e, &
       legendre_e_sine, legendre_f, legendre_f_sine, legendre_pi, legendre_pi_sine
+   use poinsot_elliptic_third_kind, only: third_kind_block
    implicit none(type, external)
    private
    public :: collect_elliptic
@@ -47,6 +48,7 @@ contains
          new_unittest("carlson-table", test_carlson_table), &
          new_unittest("carlson-published", test_carlson_published), &
          new_unittest("carlson-scales", test_carlson_scales), &
+         new_unittest("third-kind-block", test_third_kind), &
          new_unittest("integrals-out-of-domain", test_integral_domain), &
          new_unittest("legendre-table", test_legendre_table), &
          new_unittest("legendre-relation", test_legendre_relation), &
@@ -70,7 +72,7 @@ contains
          call test_failed(error, "cannot open "//table)
          return
       end if
-      read (unit, '(a)', iostat=ios) line
+      read (unit, *) ! the header
       do
          read (unit, '(a)', iostat=ios) line
          if (ios /= 0) exit
@@ -583,6 +585,34 @@ contains
       if (allocated(error)) return
       call check_flags(error, "a Carlson integral")
    end subroutine test_carlson_scales
+
+   !> The free body's R_J with its arctangents as a complex number, against the scalar one.
+   subroutine test_third_kind(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), dimension(lanes) :: x, y, p, g, series, re, im, exact, e
+      real(dp) :: worst
+      integer(i8) :: state
+      integer :: k
+      state = 110
+      worst = 0
+      do k = 1, 200
+         call draw(state, x)
+         call draw(state, y)
+         call draw(state, p)
+         p = 1 + p
+         if (mod(k, 3) == 0) p = 1 + (p - 1)*1.0e-9_dp
+         y = y*10.0_dp**(-2*mod(k, 40))
+         x = x*y
+         if (mod(k, 7) == 0) x = 0
+         g = sqrt((p - x)*(p - y)*(p - 1))
+         call third_kind_block(x, y, p, g, series, re, im)
+         exact = g*carlson_rj(x, y, 1.0_dp, p)/6
+         e = exact - g*series/6 - atan2(im, re)
+         e = e - 8*atan(1.0_dp)*anint(e/(8*atan(1.0_dp))) ! next to the separatrix it goes round
+         worst = max(worst, maxval(abs(e/exact)))
+      end do
+      call check_below(error, worst, 2.0e-15_dp, "third kind")
+   end subroutine test_third_kind
 
    subroutine test_integral_domain(error)
       type(error_type), allocatable, intent(out) :: error

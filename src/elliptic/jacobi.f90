@@ -42,12 +42,12 @@ contains
 
    !> sn, cn, dn of arrays, to the length of the shortest.
    pure subroutine jacobi_array(u, m, m1, sn, cn, dn)
-      real(dp), intent(in) :: u(:)   !! arguments, |u| <= 1e15
-      real(dp), intent(in) :: m(:)   !! parameters, in [0, 1]
-      real(dp), intent(in) :: m1(:)  !! 1 - m: the smaller of m and m1 is the one that is used
-      real(dp), intent(out) :: sn(:) !! sn(u | m)
-      real(dp), intent(out) :: cn(:) !! cn(u | m)
-      real(dp), intent(out) :: dn(:) !! dn(u | m)
+      real(dp), intent(in), contiguous :: u(:)   !! arguments, |u| <= 1e15
+      real(dp), intent(in), contiguous :: m(:)   !! parameters, in [0, 1]
+      real(dp), intent(in), contiguous :: m1(:)  !! 1 - m: the smaller of both is used
+      real(dp), intent(out), contiguous :: sn(:) !! sn(u | m)
+      real(dp), intent(out), contiguous :: cn(:) !! cn(u | m)
+      real(dp), intent(out), contiguous :: dn(:) !! dn(u | m)
       real(dp), dimension(lanes) :: s, c, d, turns
       integer :: first, n, total
       total = min(size(u), size(m), size(m1), size(sn), size(cn), size(dn))
@@ -63,10 +63,10 @@ contains
 
    !> Amplitudes of arrays, to the length of the shortest.
    pure subroutine jacobi_am_array(u, m, m1, am)
-      real(dp), intent(in) :: u(:)   !! arguments, |u| <= 1e15
-      real(dp), intent(in) :: m(:)   !! parameters, in [0, 1]
-      real(dp), intent(in) :: m1(:)  !! 1 - m: the smaller of m and m1 is the one that is used
-      real(dp), intent(out) :: am(:) !! am(u | m), radians
+      real(dp), intent(in), contiguous :: u(:)   !! arguments, |u| <= 1e15
+      real(dp), intent(in), contiguous :: m(:)   !! parameters, in [0, 1]
+      real(dp), intent(in), contiguous :: m1(:)  !! 1 - m: the smaller of both is used
+      real(dp), intent(out), contiguous :: am(:) !! am(u | m), radians
       real(dp), dimension(lanes) :: s, c, d, turns, a
       integer :: first, n, total
       total = min(size(u), size(m), size(m1), size(am))
@@ -101,7 +101,7 @@ contains
    !> Fill a block from n elements, and evaluate it; elements out of the domain come back as NaN.
    pure subroutine take(n, u, m, m1, s, c, d, turns)
       integer, intent(in) :: n
-      real(dp), intent(in) :: u(:), m(:), m1(:)
+      real(dp), intent(in), contiguous :: u(:), m(:), m1(:)
       real(dp), intent(out), dimension(lanes) :: s, c, d, turns
       real(dp), dimension(lanes) :: ub, mb, m1b
       real(dp) :: nan

@@ -2,8 +2,8 @@
 !>
 !> For x <= y <= 1 <= p each R_C term of the duplication is 2**n atan(t_n)/g, with
 !> g = sqrt((p - x) (p - y) (p - 1)); sums of them are products of complex numbers, and who needs an
-!> angle of rotation, as the free body does, need not take an arctangent at all. (B. C. Carlson, Numer.
-!> Algorithms 10 (1995) 13-26; the last series DLMF 19.36.2.)
+!> angle of rotation, as the free body does, need not take an arctangent at all.
+!> (B. C. Carlson, Numer. Algorithms 10 (1995) 13-26; the last series DLMF 19.36.2.)
 module poinsot_elliptic_third_kind
    use poinsot_core_kinds, only: dp, i8, lanes
    implicit none(type, external)
@@ -22,7 +22,7 @@ contains
       real(dp), intent(in) :: p0(lanes)      !! >= 1
       real(dp), intent(in) :: g0(lanes)      !! sqrt((p - x) (p - y) (p - 1))
       real(dp), intent(out) :: series(lanes) !! the part that is no angle
-      real(dp), intent(out) :: re(lanes)     !! the angle as a complex number, real part
+      real(dp), intent(out) :: re(lanes)     !! the angle (but for whole turns) as a complex number
       real(dp), intent(out) :: im(lanes)     !! imaginary part
       real(dp), dimension(lanes) :: x, y, z, p, g, power
       real(dp) :: t(lanes, most), w

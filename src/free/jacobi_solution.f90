@@ -369,7 +369,8 @@ contains
       end do
    end subroutine third_kind
 
-   !> The complete integral, once for every half period.
+   !> The complete integral, once for every half period. Whole turns that the arctangent loses are
+   !> whole turns of half the angle.
    pure subroutine whole_turns(start, turns, finish)
       type(start_type), intent(in) :: start
       real(dp), intent(in) :: turns(lanes)
