@@ -12,7 +12,7 @@ module poinsot_free_exact
    private
    public :: exact_increment
 
-   integer, parameter :: most_substeps = 64 !! beyond, Jacobi's functions are cheaper
+   integer, parameter :: most_substeps = 4 !! beyond, Jacobi's functions are cheaper, and as exact
    real(dp), parameter :: longest_phase = 1e15_dp !! h |omega| beyond which no digit of the angle is
                                                   !! left
    integer, parameter :: substep_level = 3  !! substeps as long as this series length carries
