@@ -16,15 +16,15 @@ module poinsot_ensemble_block
 
    !> One block of bodies. What is not asked for is not filled: `id` and `carry`.
    type :: block_state
-      integer :: n = 0                    !! bodies in it; the other lanes are padding at rest
-      integer :: class = 1                !! their class
-      logical :: compensated = .false.    !! the caller keeps a carry
-      integer :: at(lanes)                !! where each stands in the caller's arrays
       real(dp) :: y(lanes, 3)             !! angular momentum, principal frame
       real(dp) :: q(lanes, 4)             !! attitude
       real(dp) :: carry(lanes, 7)         !! compensated sums
       integer(i8) :: id(lanes)            !! number for random streams
       integer :: status(lanes)
+      integer :: at(lanes)                !! where each stands in the caller's arrays
+      integer :: n                        !! bodies in it; the other lanes are padding at rest
+      integer :: class                    !! their class
+      logical :: compensated              !! the caller keeps a carry
       logical :: adding = .false.         !! `add` goes to the caller's momentum as it stands, and y is not looked at
       real(dp) :: add(lanes, 3)           !! in the caller's variable and frame
    contains
@@ -36,6 +36,7 @@ module poinsot_ensemble_block
       type(body_view) :: view
       type(arrays) :: y, q
       integer :: momentum = body_momentum          !! the momentum variable
+      logical :: wants_id = .false.                !! random numbers are drawn by body
    end type host_arrays
 
    real(dp), parameter :: norm_slack = 2e-6_dp   !! of |q|^2: |q| within 1e-6 of 1
@@ -87,7 +88,9 @@ contains
       end if
       call refuse_speed(class, b)
       if (class%sorted(1) <= 0) call refuse_axis(class, b)
-      if (associated(host%view%id)) then
+      if (.not. host%wants_id) then
+         continue
+      else if (associated(host%view%id)) then
          do l = 1, n
             b%id(l) = host%view%id(at(l))
          end do
@@ -227,7 +230,7 @@ contains
       logical, intent(in) :: keep_momentum, keep_attitude
       type(block_state), intent(inout) :: b
       real(dp) :: p(lanes, 4)
-      integer :: l, n, at(lanes), from(lanes)
+      integer :: l, n, at(lanes)
 
       if (associated(host%view%status)) then
          do l = 1, b%n
@@ -238,16 +241,16 @@ contains
          call add_momentum(host%view, b)
          return
       end if
-      if (host%momentum /= body_momentum .or. turned(axes)) then
-         call from_native(host%momentum, axes, class, b%y, b%q, p)
-      else
-         p(:, 1:3) = b%y
-      end if
       n = b%n
-      at(1:n) = b%at(1:n)
-      if (any_failed(b%status)) call close_ranks(b, p, at, from, n)
-      if (n > 0 .and. .not. keep_momentum) call copy_out(host%y, at, n, p)
-      if (n > 0 .and. .not. keep_attitude) call copy_out(host%q, at, n, b%q)
+      if (host%momentum == body_momentum .and. .not. (turned(axes) .or. any_failed(b%status))) then
+         if (.not. keep_momentum) call copy_out(host%y, b%at, n, b%y)
+         if (.not. keep_attitude) call copy_out(host%q, b%at, n, b%q)
+      else
+         call from_native(host%momentum, axes, class, b%y, b%q, p)
+         call close_ranks(b, p, at, n)
+         if (n > 0 .and. .not. keep_momentum) call copy_out(host%y, at, n, p)
+         if (n > 0 .and. .not. keep_attitude) call copy_out(host%q, at, n, b%q)
+      end if
       if (.not. b%compensated) return
       do l = 1, b%n
          if (b%status(l) == poinsot_ok) host%view%carry(:, b%at(l)) = b%carry(l, :)
@@ -255,11 +258,11 @@ contains
    end subroutine store_block
 
    !> Move the lanes that did not fail to the front.
-   pure subroutine close_ranks(b, p, at, from, n)
+   pure subroutine close_ranks(b, p, at, n)
       type(block_state), intent(inout) :: b
       real(dp), intent(inout) :: p(lanes, 4)
-      integer, intent(out) :: at(lanes), from(lanes), n
-      integer :: l
+      integer, intent(out) :: at(lanes), n
+      integer :: l, from(lanes)
       n = 0
       at = 1
       from = 1
@@ -269,6 +272,7 @@ contains
          at(n) = b%at(l)
          from(n) = l
       end do
+      if (n == b%n) return
       p(1:n, :) = p(from(1:n), :)
       b%q(1:n, :) = b%q(from(1:n), :)
    end subroutine close_ranks

@@ -214,6 +214,7 @@ contains
          return
       end if
       if (view%n > 0) call open_host(view, plan%momentum, host)
+      host%wants_id = .true.
       k = 0
       do c = 1, chunk_count(view%n)
          call deal_chunk(view, size(plan%classes), c, h, failed)

@@ -11,10 +11,11 @@ module poinsot_ensemble_deal
 
    !> The bodies of one chunk in the order in which they go into blocks: class by class.
    type :: hand
-      integer :: n = 0                     !! bodies in it
+      integer :: n                         !! bodies in it
+      logical :: one_class                 !! they are all of class 1
       integer :: at(chunk_size)            !! their places in the caller's arrays
       integer :: class(chunk_size)         !! their classes
-      integer :: done = 0                  !! how many have gone into blocks
+      integer :: done                      !! how many have gone into blocks
    end type hand
 
 contains
@@ -38,11 +39,11 @@ contains
       last = min(view%n, k*chunk_size)
       h%n = 0
       h%done = 0
-      if (.not. associated(view%body_class)) then
+      h%one_class = .not. associated(view%body_class)
+      if (h%one_class) then
          h%n = last - first + 1
          do i = 1, h%n
             h%at(i) = first + i - 1
-            h%class(i) = 1
          end do
          return
       end if
@@ -82,6 +83,12 @@ contains
       n = 0
       class = 0
       if (first > h%n) return
+      if (h%one_class) then
+         class = 1
+         n = min(lanes, h%n - h%done)
+         h%done = h%done + n
+         return
+      end if
       class = h%class(first)
       do while (n < lanes .and. first + n <= h%n)
          if (h%class(first + n) /= class) exit

@@ -4,6 +4,7 @@
 !> makes. Inside somebody else's parallel region the loop runs serial.
 module poinsot_ensemble_drive
    use poinsot_core_kinds, only: dp
+   use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_partial
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_block, only: block_state, host_arrays, open_host, load_block, store_block
@@ -18,6 +19,7 @@ module poinsot_ensemble_drive
    type, abstract :: block_job
       logical :: keep_momentum = .false. !! the caller's momentum variable is not changed by this job
       logical :: keep_attitude = .false. !! nor the attitude
+      logical :: wants_id = .false.      !! it draws random numbers
       logical :: read_only = .false.     !! nothing is written back but statuses
    contains
       procedure(run_job), deferred :: run
@@ -57,6 +59,7 @@ contains
          return
       end if
       call open_host(view, momentum, host)
+      host%wants_id = job%wants_id
       if (team == 1) then
          do k = 1, chunks
             call run_chunk(host, classes, axes, job, k, failed)
@@ -99,7 +102,7 @@ contains
          else
             call store_block(host, classes(c), axes(:, c), job%keep_momentum, job%keep_attitude, b)
          end if
-         failed = failed .or. any(b%status(1:n) /= poinsot_ok)
+         failed = failed .or. any_failed(b%status)
       end do
    end subroutine run_chunk
 

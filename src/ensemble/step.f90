@@ -120,6 +120,7 @@ contains
       job%first = first
       job%steps = steps
       job%compensated = associated(view%carry)
+      job%wants_id = any(job%flows%has_outer)
       status = for_each_block(view, plan%classes, plan%axes, plan%momentum, plan%threads, job)
    end subroutine step_bodies
 
@@ -202,7 +203,7 @@ contains
          f%q = b%q
          f%fresh = .false.
          f%status = b%status
-         f%id = b%id
+         if (f%has_outer) f%id = b%id
          f%compensated = self%compensated
          if (self%compensated) f%carry = b%carry
          call enter_kernel(scheme, f, self%t, self%h, self%first)
