@@ -85,6 +85,14 @@ older_processor() {
    eval "$CC -std=c99 test/consumer/older.c -o build/installed/build/older $(config --cflags --libs)" &&
       LD_LIBRARY_PATH=$prefix/lib qemu-x86_64 -cpu Nehalem build/installed/build/older
 }
+# valgrind does not know AVX-512: for builds without it (PORTABLE=1).
+abuse_valgrind() {
+   LD_LIBRARY_PATH=$prefix/lib valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
+      build/installed/build/abuse-c
+}
+without_avx512() { LD_LIBRARY_PATH=$prefix/lib "$PYTHON" -c "
+import ctypes, sys
+sys.exit(ctypes.CDLL('$prefix/lib/libpoinsot.so').poinsot_has_feature(b'avx512'))"; }
 native_build() { LD_LIBRARY_PATH=$prefix/lib "$PYTHON" -c "
 import ctypes, sys
 sys.exit(not ctypes.CDLL('$prefix/lib/libpoinsot.so').poinsot_has_feature(b'avx2'))"; }
@@ -130,6 +138,11 @@ if have pkg-config; then
    fi
    expect "abuse" with_shared "-std=c99 -pedantic -Wall -Wextra -Werror" "test/c/abuse.c -lpthread"
    if sanitizers_work; then expect "abuse-sanitized" abuse_sanitized; else skip "abuse-sanitized" "no sanitizers"; fi
+   if have valgrind && without_avx512; then
+      expect "abuse-valgrind" abuse_valgrind
+   else
+      skip "abuse-valgrind" "no valgrind, or a build with AVX-512"
+   fi
    if have qemu-x86_64 && native_build; then
       expect "older-processor" older_processor
    else
