@@ -128,11 +128,11 @@ else
    skip "by-pkg-config" "no pkg-config"
 fi
 if have pkg-config; then
-   expect "example-c" same_top "-std=c99 -pedantic -Wall -Wextra -Werror" example/heavy_top.c
-   expect "example-fortran" same_top "" example/heavy_top.f90
+   expect "example-c" same_top "-std=c99 -pedantic -Wall -Wextra -Werror" example/c/heavy_top.c
+   expect "example-fortran" same_top "" example/fortran/heavy_top.f90
    expect "example-fixed-form" with_shared "" example/fixed/molecules.f
    if have c++; then
-      expect "example-c++" with_shared "-std=c++17 -pedantic -Wall -Wextra -Werror" example/lammps_rows.cpp
+      expect "example-c++" with_shared "-std=c++17 -pedantic -Wall -Wextra -Werror" example/c++/lammps_rows.cpp
    else
       skip "example-c++" "no c++"
    fi
@@ -151,7 +151,7 @@ if have pkg-config; then
 fi
 expect "other-compiler" other_compiler
 if has_numpy; then
-   expect "example-python" env OMP_NUM_THREADS=2 "$PYTHON" example/free_bodies.py "$prefix/lib/libpoinsot.so"
+   expect "example-python" env OMP_NUM_THREADS=2 "$PYTHON" example/python/free_bodies.py "$prefix/lib/libpoinsot.so"
 else
    skip "example-python" "no NumPy for $PYTHON"
 fi
