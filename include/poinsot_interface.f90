@@ -1,24 +1,34 @@
-! Interfaces of the C functions of poinsot.h, for Fortran compilers other than the one that built the library: compile this
-! file with your program. What each function does stands in poinsot.h; texts are `trim(text)//c_null_char`, handles
+! Interfaces of the C functions of poinsot.h, for Fortran compilers other than the one that built
+! the library: compile this
+! file with your program. What each function does stands in poinsot.h; texts are
+! `trim(text)//c_null_char`, handles
 ! type(c_ptr). Built with the same compiler, `use poinsot` is the shorter way.
 module poinsot_interface
-   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funptr, c_int, c_int64_t, c_null_ptr, c_ptr, c_intptr_t, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funptr, c_int, c_int64_t, &
+      c_null_ptr, c_ptr, c_intptr_t, c_size_t
    implicit none
    private
    public :: poinsot_bodies
-   public :: poinsot_version, poinsot_status_text, poinsot_has_feature, poinsot_method_count, poinsot_method_name
-   public :: poinsot_splitting_count, poinsot_splitting_name, poinsot_effect_count, poinsot_effect_name
-   public :: poinsot_body_create, poinsot_body_create_tensor, poinsot_body_destroy, poinsot_rotate, poinsot_jacobi
+   public :: poinsot_version, poinsot_status_text, poinsot_has_feature, poinsot_method_count, &
+      poinsot_method_name
+   public :: poinsot_splitting_count, poinsot_splitting_name, poinsot_effect_count, &
+      poinsot_effect_name
+   public :: poinsot_body_create, poinsot_body_create_tensor, poinsot_body_destroy, &
+      poinsot_rotate, poinsot_jacobi
    public :: poinsot_bodies_rows, poinsot_bodies_arrays
-   public :: poinsot_plan_create, poinsot_plan_destroy, poinsot_plan_add_class, poinsot_plan_add_class_tensor
-   public :: poinsot_plan_set, poinsot_plan_add_effect, poinsot_plan_ready, poinsot_plan_message, poinsot_bodies_check
-   public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, poinsot_degrees_of_freedom
+   public :: poinsot_plan_create, poinsot_plan_destroy, poinsot_plan_add_class, &
+      poinsot_plan_add_class_tensor
+   public :: poinsot_plan_set, poinsot_plan_add_effect, poinsot_plan_ready, poinsot_plan_message, &
+      poinsot_bodies_check
+   public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, &
+      poinsot_degrees_of_freedom
 
    type, bind(c) :: poinsot_bodies
       integer(c_size_t) :: size = 0, n = 0
       type(c_ptr) :: y(3) = c_null_ptr, q(4) = c_null_ptr
       integer(c_intptr_t) :: y_stride = 0, q_stride = 0
-      type(c_ptr) :: body_class = c_null_ptr, id = c_null_ptr, carry = c_null_ptr, status = c_null_ptr
+      type(c_ptr) :: body_class = c_null_ptr, id = c_null_ptr, carry = c_null_ptr, &
+         status = c_null_ptr
       type(c_ptr) :: y_fourth = c_null_ptr
       integer(c_intptr_t) :: first_class = 0
    end type poinsot_bodies
@@ -90,18 +100,21 @@ module poinsot_interface
          real(c_double), value :: h
          integer(c_size_t), value :: steps, n
          real(c_double), intent(inout) :: y(3, *), q(4, *)
-         type(c_ptr), value :: per_body                   ! c_loc of integer(c_int) :: per_body(n), or c_null_ptr
+         type(c_ptr), value :: per_body                   ! c_loc of integer(c_int) :: per_body(n),
+                                                          ! or c_null_ptr
       end function poinsot_rotate
 
       integer(c_int) function poinsot_jacobi(n, u, m, m1, sn, cn, dn) bind(c)
          import
          integer(c_size_t), value :: n
          real(c_double), intent(in) :: u(*), m(*)
-         type(c_ptr), value :: m1                         ! c_loc of real(c_double) :: m1(n), or c_null_ptr
+         type(c_ptr), value :: m1                         ! c_loc of real(c_double) :: m1(n), or
+                                                          ! c_null_ptr
          real(c_double), intent(out) :: sn(*), cn(*), dn(*)
       end function poinsot_jacobi
 
-      integer(c_int) function poinsot_bodies_rows(bodies, layout, order, n, momentum, attitude) bind(c)
+      integer(c_int) function poinsot_bodies_rows(bodies, layout, order, n, momentum, attitude) &
+         bind(c)
          import
          type(poinsot_bodies), intent(out) :: bodies
          character(kind=c_char), intent(in) :: layout(*), order(*)
@@ -189,13 +202,15 @@ module poinsot_interface
          integer(c_intptr_t), value :: stride
       end function poinsot_kick
 
-      integer(c_int) function poinsot_step(plan, bodies, t, h, first, steps, callback, context) bind(c)
+      integer(c_int) function poinsot_step(plan, bodies, t, h, first, steps, callback, context) &
+         bind(c)
          import
          type(c_ptr), value :: plan
          type(poinsot_bodies), intent(in) :: bodies
          real(c_double), value :: t, h
          integer(c_int64_t), value :: first, steps
-         type(c_funptr), value :: callback                ! c_funloc of a bind(c) function, or c_null_funptr
+         type(c_funptr), value :: callback                ! c_funloc of a bind(c) function, or
+                                                          ! c_null_funptr
          type(c_ptr), value :: context
       end function poinsot_step
 

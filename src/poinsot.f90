@@ -1,4 +1,5 @@
-!> The front door for Fortran: `use poinsot`. Names and meaning as in C (include/poinsot.h); errors come back in `error`.
+!> The front door for Fortran: `use poinsot`. Names and meaning as in C (include/poinsot.h); errors
+!> come back in `error`.
 !>
 !>     type(poinsot_body) :: body
 !>     type(poinsot_error) :: error
@@ -6,22 +7,27 @@
 !>     call poinsot_rotate(body, "exact", 0.01d0, 1000, y, q, error)      ! y(3, n), q(4, n)
 !>     if (raised(error)) print *, error%message
 !>
-!> Frames, units and rules are those of the header, but for: classes count from 1; a view is filled by poinsot_bodies_rows or
-!> _arrays, and its components body_class, id, carry and status are pointers that the caller may point to arrays of its own.
-!> A body that fails makes error%code POINSOT_E_PARTIAL; the other bodies have gone on.
+!> Frames, units and rules are those of the header, but for: classes count from 1; a view is filled
+!> by poinsot_bodies_rows or _arrays, and its components body_class, id, carry and status are
+!> pointers that the caller may point to arrays of its own. A body that fails makes error%code
+!> POINSOT_E_PARTIAL; the other bodies have gone on.
 module poinsot
    use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_body_class, only: poinsot_body => body_class, make_class
    use poinsot_body_inertia, only: principal_axes
    use poinsot_core_error, only: poinsot_error, raise, raised, clear
    use poinsot_core_kinds, only: dp, i8
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method, &
-      poinsot_e_step, poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, poinsot_e_partial, poinsot_e_io, &
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, &
+      poinsot_e_method, &
+      poinsot_e_step, poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, &
+         poinsot_e_partial, poinsot_e_io, &
       poinsot_e_scene, poinsot_e_cpu, poinsot_status_text => status_text
    use poinsot_core_version, only: poinsot_version => version_number
-   use poinsot_effect_callback, only: poinsot_user_torque => user_torque, poinsot_user_potential => user_potential
+   use poinsot_effect_callback, only: poinsot_user_torque => user_torque, &
+      poinsot_user_potential => user_potential
    use poinsot_effect_effect, only: effect
-   use poinsot_effect_registry, only: poinsot_effect_count => effect_count, poinsot_effect_name => effect_name
+   use poinsot_effect_registry, only: poinsot_effect_count => effect_count, &
+      poinsot_effect_name => effect_name
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_elliptic_jacobi, only: poinsot_jacobi => jacobi_functions
@@ -29,8 +35,8 @@ module poinsot
    use poinsot_ensemble_coupled, only: poinsot_torque => torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, &
       poinsot_degrees_of_freedom => total_degrees_of_freedom
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, set_option, add_effect, add_ready_effect, &
-      make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, set_option, &
+      add_effect, add_ready_effect, make_ready
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    use poinsot_free_method, only: free_method, find_method, poinsot_method_count => method_count, &
@@ -40,16 +46,22 @@ module poinsot
    implicit none(type, external)
    private
    public :: dp, i8, poinsot_error, raised, clear
-   public :: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method, poinsot_e_step
-   public :: poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, poinsot_e_partial, poinsot_e_io
+   public :: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method, &
+      poinsot_e_step
+   public :: poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, poinsot_e_partial, &
+      poinsot_e_io
    public :: poinsot_e_scene, poinsot_e_cpu, poinsot_status_text, poinsot_version
-   public :: poinsot_method_count, poinsot_method_name, poinsot_splitting_count, poinsot_splitting_name
+   public :: poinsot_method_count, poinsot_method_name, poinsot_splitting_count, &
+      poinsot_splitting_name
    public :: poinsot_effect_count, poinsot_effect_name
-   public :: poinsot_body, poinsot_body_create, poinsot_body_create_tensor, poinsot_rotate, poinsot_jacobi
-   public :: poinsot_plan, poinsot_plan_create, poinsot_plan_add_class, poinsot_plan_add_class_tensor, poinsot_plan_set
+   public :: poinsot_body, poinsot_body_create, poinsot_body_create_tensor, poinsot_rotate, &
+      poinsot_jacobi
+   public :: poinsot_plan, poinsot_plan_create, poinsot_plan_add_class, &
+      poinsot_plan_add_class_tensor, poinsot_plan_set
    public :: poinsot_plan_add_effect, poinsot_plan_ready
    public :: poinsot_bodies, poinsot_bodies_rows, poinsot_bodies_arrays
-   public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, poinsot_degrees_of_freedom
+   public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, &
+      poinsot_degrees_of_freedom
    public :: poinsot_torque, poinsot_user_torque, poinsot_user_potential
 
    interface
@@ -72,8 +84,8 @@ module poinsot
 
 contains
 
-   !> The first thing every call does: no processor is asked for what it does not have. Arguments are inout and not out, so
-   !> that nothing is set before.
+   !> The first thing every call does: no processor is asked for what it does not have. Arguments
+   !> are inout and not out, so that nothing is set before.
    logical function admitted(error)
       type(poinsot_error), intent(inout) :: error
       admitted = poinsot_processor_fits() == 1
@@ -88,7 +100,8 @@ contains
       if (admitted(error)) call make_class(moments, body, error)
    end subroutine poinsot_body_create
 
-   !> A body from its inertia tensor in any frame, and the rotation whose columns are the principal axes.
+   !> A body from its inertia tensor in any frame, and the rotation whose columns are the principal
+   !> axes.
    subroutine poinsot_body_create_tensor(inertia, body, axes, error)
       real(dp), intent(in) :: inertia(3, 3)
       type(poinsot_body), intent(inout) :: body
@@ -106,7 +119,8 @@ contains
       character(*), intent(in) :: method                          !! see poinsot_method_name
       real(dp), intent(in) :: h                                   !! step, either sign
       integer, intent(in) :: steps                                !! how many
-      real(dp), intent(inout), target :: y(:, :)                  !! (3, n) angular momenta, body frame
+      real(dp), intent(inout), target :: y(:, :)                  !! (3, n) angular momenta, body
+                                                                  !! frame
       real(dp), intent(inout), target :: q(:, :)                  !! (4, n) attitudes
       type(poinsot_error), intent(inout) :: error
       integer(c_int), intent(inout), optional, target :: per_body(:) !! (n) status of each body
@@ -131,7 +145,8 @@ contains
       if (raised(error)) return
       if (present(per_body)) then
          if (size(per_body) < view%n) then
-            call raise(error, poinsot_e_size, "rotate: per_body is shorter than the number of bodies")
+            call raise(error, poinsot_e_size, &
+               "rotate: per_body is shorter than the number of bodies")
             return
          end if
          view%status => per_body
@@ -152,29 +167,37 @@ contains
    !> A view of bodies in rows: y(3, n), or (4, n) for a conjugate momentum, q(4, n).
    subroutine poinsot_bodies_rows(bodies, y, q, error)
       type(poinsot_bodies), intent(inout) :: bodies
-      real(dp), intent(in), target :: y(:, :)        !! momentum variable of the plan; must stay where it is
-      real(dp), intent(in), target :: q(:, :)        !! attitudes, scalar first; must stay where they are
+      real(dp), intent(in), target :: y(:, :)        !! momentum variable of the plan; must stay
+                                                     !! where it is
+      real(dp), intent(in), target :: q(:, :)        !! attitudes, scalar first; must stay where
+                                                     !! they are
       type(poinsot_error), intent(inout) :: error    !! POINSOT_E_SIZE for shapes that do not fit
-      if (size(y, 1) < 3 .or. size(y, 1) > 4 .or. size(q, 1) /= 4 .or. size(y, 2) /= size(q, 2)) then
-         call raise(error, poinsot_e_size, "bodies in rows: the shapes must be y(3, n) or y(4, n), and q(4, n)")
+      if (size(y, 1) < 3 .or. size(y, 1) > 4 .or. size(q, 1) /= 4 .or. size(y, 2) /= size(q, 2)) &
+         then
+         call raise(error, poinsot_e_size, &
+            "bodies in rows: the shapes must be y(3, n) or y(4, n), and q(4, n)")
       else
          call view_rows(y, q, bodies)
       end if
    end subroutine poinsot_bodies_rows
 
-   !> A view of component arrays: y(n, 3), or (n, 4), q(n, 4). Components of other strides: point bodies%y(j)%of to them.
+   !> A view of component arrays: y(n, 3), or (n, 4), q(n, 4). Components of other strides: point
+   !> bodies%y(j)%of to them.
    subroutine poinsot_bodies_arrays(bodies, y, q, error)
       type(poinsot_bodies), intent(inout) :: bodies
       real(dp), intent(in), target :: y(:, :), q(:, :)
       type(poinsot_error), intent(inout) :: error
-      if (size(y, 2) < 3 .or. size(y, 2) > 4 .or. size(q, 2) /= 4 .or. size(y, 1) /= size(q, 1)) then
-         call raise(error, poinsot_e_size, "component arrays: the shapes must be y(n, 3) or y(n, 4), and q(n, 4)")
+      if (size(y, 2) < 3 .or. size(y, 2) > 4 .or. size(q, 2) /= 4 .or. size(y, 1) /= size(q, 1)) &
+         then
+         call raise(error, poinsot_e_size, &
+            "component arrays: the shapes must be y(n, 3) or y(n, 4), and q(n, 4)")
       else
          call view_columns(y, q, bodies)
       end if
    end subroutine poinsot_bodies_arrays
 
-   !> An empty plan. A variable of this type is one already: for a second use, and for the symmetry with C.
+   !> An empty plan. A variable of this type is one already: for a second use, and for the symmetry
+   !> with C.
    subroutine poinsot_plan_create(plan, error)
       type(poinsot_plan), intent(inout) :: plan
       type(poinsot_error), intent(inout) :: error
@@ -196,7 +219,8 @@ contains
       if (admitted(error)) call add_class(plan, moments, number, error)
    end subroutine poinsot_plan_add_class
 
-   !> Add a body class by its tensor in the caller's body frame, to which y, q and torques of its bodies refer.
+   !> Add a body class by its tensor in the caller's body frame, to which y, q and torques of its
+   !> bodies refer.
    subroutine poinsot_plan_add_class_tensor(plan, inertia, number, error)
       type(poinsot_plan), intent(inout) :: plan
       real(dp), intent(in) :: inertia(3, 3)
@@ -213,7 +237,8 @@ contains
       if (admitted(error)) call set_option(plan, option, value, error)
    end subroutine poinsot_plan_set
 
-   !> Add an effect: call poinsot_plan_add_effect(plan, "gravity", "centre = 0, 0, 1; weight = 2", error)
+   !> Add an effect: call poinsot_plan_add_effect(plan, "gravity", "centre = 0, 0, 1; weight = 2",
+   !> error)
    subroutine add_named_effect(plan, name, settings, error)
       type(poinsot_plan), intent(inout) :: plan
       character(*), intent(in) :: name, settings
@@ -224,7 +249,8 @@ contains
       if (.not. raised(error)) call add_effect(plan, name, list, error)
    end subroutine add_named_effect
 
-   !> Add an effect of an own type, an extension of poinsot_user_torque or poinsot_user_potential. It moves into the plan.
+   !> Add an effect of an own type, an extension of poinsot_user_torque or poinsot_user_potential.
+   !> It moves into the plan.
    subroutine add_own_effect(plan, own, error)
       type(poinsot_plan), intent(inout) :: plan
       class(effect), allocatable, intent(inout) :: own

@@ -1,16 +1,18 @@
-!> Crowds for the tests of the ensemble: classes with three distinct moments in every order, tensors off their principal
-!> axes, a flat and a linear body; states; and plans.
+!> Crowds for the tests of the ensemble: classes with three distinct moments in every order, tensors
+!> off their principal axes, a flat and a linear body; states; and plans.
 module test_crowd
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_ensemble_bodies, only: body_view, view_rows
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, add_effect, make_ready, set_option
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, add_effect, &
+      make_ready, set_option
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
    use test_bodies, only: random_quaternion, random_stream, start_stream, uniform
    implicit none(type, external)
    private
-   public :: crowd, make_crowd, plain_plan, mixed_plan, with_effect, class_count, same_bits, turned_tensor
+   public :: crowd, make_crowd, plain_plan, mixed_plan, with_effect, class_count, same_bits, &
+      turned_tensor
 
    integer, parameter :: class_count = 9
 
@@ -22,7 +24,8 @@ module test_crowd
    end type crowd
 
    real(dp), parameter :: sorted(3) = [0.6_dp, 0.8_dp, 1.1_dp]
-   integer, parameter :: orders(3, 6) = reshape([1, 2, 3, 2, 3, 1, 3, 1, 2, 2, 1, 3, 1, 3, 2, 3, 2, 1], [3, 6])
+   integer, parameter :: orders(3, 6) = reshape([1, 2, 3, 2, 3, 1, 3, 1, 2, 2, 1, 3, 1, 3, 2, 3, &
+      2, 1], [3, 6])
 
 contains
 
@@ -48,7 +51,8 @@ contains
    !> A tensor with off-diagonal elements.
    pure function turned_tensor() result(t)
       real(dp) :: t(3, 3)
-      t = reshape([0.9_dp, 0.1_dp, -0.05_dp, 0.1_dp, 0.7_dp, 0.08_dp, -0.05_dp, 0.08_dp, 1.0_dp], [3, 3])
+      t = reshape([0.9_dp, 0.1_dp, -0.05_dp, 0.1_dp, 0.7_dp, 0.08_dp, -0.05_dp, 0.08_dp, 1.0_dp], &
+         [3, 3])
    end function turned_tensor
 
    !> One class, given layout; ready.

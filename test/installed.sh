@@ -85,6 +85,14 @@ older_processor() {
    eval "$CC -std=c99 test/consumer/older.c -o build/installed/build/older $(config --cflags --libs)" &&
       LD_LIBRARY_PATH=$prefix/lib qemu-x86_64 -cpu Nehalem build/installed/build/older
 }
+# valgrind does not know AVX-512: for builds without it (PORTABLE=1).
+abuse_valgrind() {
+   LD_LIBRARY_PATH=$prefix/lib valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
+      build/installed/build/abuse-c
+}
+without_avx512() { LD_LIBRARY_PATH=$prefix/lib "$PYTHON" -c "
+import ctypes, sys
+sys.exit(ctypes.CDLL('$prefix/lib/libpoinsot.so').poinsot_has_feature(b'avx512'))"; }
 native_build() { LD_LIBRARY_PATH=$prefix/lib "$PYTHON" -c "
 import ctypes, sys
 sys.exit(not ctypes.CDLL('$prefix/lib/libpoinsot.so').poinsot_has_feature(b'avx2'))"; }
@@ -120,16 +128,21 @@ else
    skip "by-pkg-config" "no pkg-config"
 fi
 if have pkg-config; then
-   expect "example-c" same_top "-std=c99 -pedantic -Wall -Wextra -Werror" example/heavy_top.c
-   expect "example-fortran" same_top "" example/heavy_top.f90
+   expect "example-c" same_top "-std=c99 -pedantic -Wall -Wextra -Werror" example/c/heavy_top.c
+   expect "example-fortran" same_top "" example/fortran/heavy_top.f90
    expect "example-fixed-form" with_shared "" example/fixed/molecules.f
    if have c++; then
-      expect "example-c++" with_shared "-std=c++17 -pedantic -Wall -Wextra -Werror" example/lammps_rows.cpp
+      expect "example-c++" with_shared "-std=c++17 -pedantic -Wall -Wextra -Werror" example/c++/lammps_rows.cpp
    else
       skip "example-c++" "no c++"
    fi
    expect "abuse" with_shared "-std=c99 -pedantic -Wall -Wextra -Werror" "test/c/abuse.c -lpthread"
    if sanitizers_work; then expect "abuse-sanitized" abuse_sanitized; else skip "abuse-sanitized" "no sanitizers"; fi
+   if have valgrind && without_avx512; then
+      expect "abuse-valgrind" abuse_valgrind
+   else
+      skip "abuse-valgrind" "no valgrind, or a build with AVX-512"
+   fi
    if have qemu-x86_64 && native_build; then
       expect "older-processor" older_processor
    else
@@ -138,7 +151,7 @@ if have pkg-config; then
 fi
 expect "other-compiler" other_compiler
 if has_numpy; then
-   expect "example-python" env OMP_NUM_THREADS=2 "$PYTHON" example/free_bodies.py "$prefix/lib/libpoinsot.so"
+   expect "example-python" env OMP_NUM_THREADS=2 "$PYTHON" example/python/free_bodies.py "$prefix/lib/libpoinsot.so"
 else
    skip "example-python" "no NumPy for $PYTHON"
 fi

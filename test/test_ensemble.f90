@@ -1,10 +1,11 @@
-!> Room ensemble: layouts, kicks, energies, the plan's refusals, callbacks. Bits stand in test_ensemble_bits.
+!> Room ensemble: layouts, kicks, energies, the plan's refusals, callbacks. Bits stand in
+!> test_ensemble_bits.
 module test_ensemble
    use testdrive, only: new_unittest, unittest_type, error_type, check
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_domain, poinsot_e_method, poinsot_e_partial, &
-      poinsot_e_size
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_domain, &
+      poinsot_e_method, poinsot_e_partial, poinsot_e_size
    use poinsot_effect_registry, only: effect_count, effect_name, effect_names
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
@@ -16,9 +17,11 @@ module test_ensemble
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name
    use poinsot_rotation_conversions, only: to_matrix
-   use poinsot_rotation_quaternion, only: quaternion_conjugate, quaternion_product, rotate, rotate_back
+   use poinsot_rotation_quaternion, only: quaternion_conjugate, quaternion_product, rotate, &
+      rotate_back
    use poinsot_splitting_registry, only: splitting_count, splitting_name, splitting_names
-   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, same_bits, turned_tensor
+   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, same_bits, &
+      turned_tensor
    use test_ensemble_bits, only: collect_bits
    implicit none(type, external)
    private
@@ -27,8 +30,8 @@ module test_ensemble
    real(dp), parameter :: tight = 4e-15_dp
    real(dp), parameter :: moments(3) = [0.6_dp, 0.8_dp, 1.0_dp]
 
-   !> A dipole along body axis 3 in a unit field along space axis 3, or gravity: body torque gamma x centre. Stops at
-   !> evaluation number `last`.
+   !> A dipole along body axis 3 in a unit field along space axis 3, or gravity: body torque gamma x
+   !> centre. Stops at evaluation number `last`.
    type, extends(torque_callback) :: top
       integer :: calls = 0, last = huge(0)
       logical :: space = .false.
@@ -59,8 +62,8 @@ contains
       testsuite = [testsuite, bits]
    end subroutine collect_ensemble
 
-   !> A body's state in one of the five variables, by the algebra of room rotation; axes: the caller's body frame is turned
-   !> against the principal one by s (x_caller = s x_principal).
+   !> A body's state in one of the five variables, by the algebra of room rotation; axes: the
+   !> caller's body frame is turned against the principal one by s (x_caller = s x_principal).
    subroutine express(variable, inertia, y, q, s, p, qc)
       integer, intent(in) :: variable
       real(dp), intent(in) :: inertia(3), y(3), q(4), s(4)
@@ -75,7 +78,7 @@ contains
       case (2); p(1:3) = rotate(q, y)
       case (3); p(1:3) = rotate(s, omega)
       case (4); p(1:3) = rotate(q, omega)
-      case (5); p = 2*quaternion_product(qc, [0.0_dp, rotate(s, y)])
+      case default; p = 2*quaternion_product(qc, [0.0_dp, rotate(s, y)])
       end select
    end subroutine express
 
@@ -88,7 +91,8 @@ contains
       integer :: i
       allocate (p(4, it%n), q(4, it%n))
       do i = 1, it%n
-         call express(variable, plan%classes(it%class(i))%moments, it%y(:, i), it%q(:, i), plan%axes(:, it%class(i)), &
+         call express(variable, plan%classes(it%class(i))%moments, it%y(:, i), it%q(:, i), &
+            plan%axes(:, it%class(i)), &
                       p(:, i), q(:, i))
       end do
    end subroutine express_all
@@ -105,14 +109,16 @@ contains
       if (raised(problem)) error stop "ready_with"
    end subroutine ready_with
 
-   !> Momenta in space and kinetic energies, asked for through each variable, are those of the native state.
+   !> Momenta in space and kinetic energies, asked for through each variable, are those of the
+   !> native state.
    subroutine test_variables(error)
       type(error_type), allocatable, intent(out) :: error
       type(crowd) :: it
       type(poinsot_plan) :: plan
       type(body_view) :: view
       type(poinsot_error) :: problem
-      real(dp), allocatable, target :: p(:, :), q(:, :), l(:, :), kinetic(:), potential(:), before(:, :)
+      real(dp), allocatable, target :: p(:, :), q(:, :), l(:, :), kinetic(:), potential(:), &
+         before(:, :)
       real(dp) :: expected
       integer :: variable, i, status
       call make_crowd(100, it)
@@ -131,8 +137,10 @@ contains
          do i = 1, it%n
             associate (inverse => plan%classes(it%class(i))%inverse)
                expected = 0.5_dp*sum(it%y(:, i)**2*inverse)
-               call check(error, maxval(abs(l(:, i) - rotate(it%q(:, i), it%y(:, i)))) < tight .and. &
-                          abs(kinetic(i) - expected) < 2*tight*(1 + expected), "wrong: "//momentum_names(variable))
+               call check(error, maxval(abs(l(:, i) - rotate(it%q(:, i), it%y(:, i)))) < tight &
+                  .and. &
+                          abs(kinetic(i) - expected) < 2*tight*(1 + expected), "wrong: "// &
+                             momentum_names(variable))
             end associate
             if (allocated(error)) return
          end do
@@ -161,7 +169,8 @@ contains
       call make_crowd(100, it)
       moved = it
       call ready_with("body-momentum", plan)
-      plan%axes = spread([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 2, size(plan%axes, 2)) ! all in principal frames
+      ! all in principal frames
+      plan%axes = spread([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 2, size(plan%axes, 2))
       call view_rows(moved%y, moved%q, view)
       call point_class(moved, view)
       call drift_bodies(plan, view, h, status, problem)
@@ -177,29 +186,34 @@ contains
          call check(error, status, poinsot_ok, "drift: "//momentum_names(variable))
          if (allocated(error)) return
          i = merge(4, 3, variable == 5)
-         call check(error, maxval(abs(p(1:i, :) - pm(1:i, :))) < 2*tight .and. maxval(abs(q - qm)) < tight, &
+         call check(error, maxval(abs(p(1:i, :) - pm(1:i, :))) < 2*tight &
+            .and. maxval(abs(q - qm)) < tight, &
                     "moved otherwise: "//momentum_names(variable))
          if (allocated(error)) return
-         if (variable == 2) call check(error, same_bits(p, p0), "free motion must leave space momenta, to the bit")
+         if (variable == 2) call check(error, same_bits(p, p0), &
+            "free motion must leave space momenta, to the bit")
          if (allocated(error)) return
          call drift_bodies(plan, view, -h, status, problem)
-         call check(error, maxval(abs(p(1:i, :) - p0(1:i, :))) < 2*tight .and. maxval(abs(q - q0)) < tight, &
+         call check(error, maxval(abs(p(1:i, :) - p0(1:i, :))) < 2*tight &
+            .and. maxval(abs(q - q0)) < tight, &
                     "did not come back: "//momentum_names(variable))
          if (allocated(error)) return
       end do
    end subroutine test_alike
 
-   !> The tensor's class against an own product of matrices: L in space stays, and omega = J^-1 L turns the given frame.
+   !> The tensor's class against an own product of matrices: L in space stays, and omega = J^-1 L
+   !> turns the given frame.
    subroutine test_tensor(error)
       type(error_type), allocatable, intent(out) :: error
       type(poinsot_plan) :: plan
       type(body_view) :: view
       type(poinsot_error) :: problem
       real(dp), target :: y(3, 1), q(4, 1), kinetic(1), potential(1)
-      integer, target :: class(1) = 9
+      integer, target :: class(1)
       real(dp) :: l(3), tensor(3, 3), omega(3), before(3, 3), rate(3, 3)
       real(dp), parameter :: h = 1e-5_dp
       integer :: status
+      class = 9
       call ready_with("body-momentum", plan)
       tensor = turned_tensor()
       omega = [0.3_dp, -0.7_dp, 0.5_dp]
@@ -209,12 +223,14 @@ contains
       call view_rows(y, q, view)
       view%body_class => class
       call body_energies(plan, view, 0.0_dp, kinetic, potential, status, problem)
-      call check(error, kinetic(1), 0.5_dp*dot_product(omega, y(:, 1)), "T = omega.J omega/2", thr=tight)
+      call check(error, kinetic(1), 0.5_dp*dot_product(omega, y(:, 1)), "T = omega.J omega/2", &
+         thr=tight)
       if (allocated(error)) return
       before = to_matrix(q(:, 1))
       call drift_bodies(plan, view, h, status, problem)
       rate = matmul(transpose(before), (to_matrix(q(:, 1)) - before)/h)
-      call check(error, maxval(abs([rate(3, 2), rate(1, 3), rate(2, 1)] - omega)) < 1e-4_dp, "turns with J^-1 L")
+      call check(error, maxval(abs([rate(3, 2), rate(1, 3), rate(2, 1)] - omega)) < 1e-4_dp, &
+         "turns with J^-1 L")
       if (allocated(error)) return
       call drift_bodies(plan, view, 3.0_dp, status, problem)
       call check(error, maxval(abs(rotate(q(:, 1), y(:, 1)) - l)) < tight, "L in space is kept")
@@ -239,11 +255,12 @@ contains
       call view_columns(y, q, view)
       call point_class(it, view)
       call drift_bodies(plan, view, 0.2_dp, status, problem)
-      call check(error, same_bits(transpose(y), it%y) .and. same_bits(transpose(q), it%q), "columns differ from rows")
+      call check(error, same_bits(transpose(y), it%y) &
+         .and. same_bits(transpose(q), it%q), "columns differ from rows")
    end subroutine test_columns
 
-   !> The same torque in space and in the caller's body frame, in all variables: L in space gains h torque, but for the
-   !> part about an axis without inertia.
+   !> The same torque in space and in the caller's body frame, in all variables: L in space gains h
+   !> torque, but for the part about an axis without inertia.
    subroutine test_kick(error)
       type(error_type), allocatable, intent(out) :: error
       type(crowd), target :: it
@@ -277,7 +294,8 @@ contains
                expected = rotate(it%q(:, j), it%y(:, j)) + h*push
                axis = rotate(it%q(:, j), [0.0_dp, 0.0_dp, 1.0_dp])
                if (it%class(j) == 8) expected = expected - dot_product(expected, axis)*axis
-               call check(error, maxval(abs(l(:, j) - expected)) < 2*tight, "kicked otherwise: "//momentum_names(variable))
+               call check(error, maxval(abs(l(:, j) - expected)) < 2*tight, "kicked otherwise: "// &
+                  momentum_names(variable))
                if (allocated(error)) return
             end do
          end do
@@ -295,7 +313,8 @@ contains
       end do
    end subroutine set_torque
 
-   !> In the caller's own variable and frame a kick is one addition, to the bit; attitudes are not touched.
+   !> In the caller's own variable and frame a kick is one addition, to the bit; attitudes are not
+   !> touched.
    subroutine test_kick_adds(error)
       type(error_type), allocatable, intent(out) :: error
       type(poinsot_plan) :: plan
@@ -331,7 +350,8 @@ contains
       type(poinsot_error) :: problem
       real(dp), target :: y(3, 3), q(4, 3)
       integer :: k, m, axis, status, number
-      integer, target :: class(3) = [1, 2, 3]
+      integer, target :: class(3)
+      class = [1, 2, 3]
       do m = 1, method_count()
          plan = poinsot_plan()
          do axis = 1, 3
@@ -349,7 +369,8 @@ contains
             if (allocated(error)) return
          end do
          do axis = 1, 3
-            call check(error, abs(y(axis, axis)) <= 0 .and. abs(norm2(y(:, axis)) - norm2([0.5_dp, 0.6_dp])) < 1e-5_dp, &
+            call check(error, abs(y(axis, axis)) <= 0 &
+               .and. abs(norm2(y(:, axis)) - norm2([0.5_dp, 0.6_dp])) < 1e-5_dp, &
                        method_name(m)//": momentum of a linear body")
             if (allocated(error)) return
          end do
@@ -378,16 +399,19 @@ contains
       call body_energies(plan, view, 0.0_dp, kinetic, potential, answer, problem)
       call check(error, answer, poinsot_e_partial, "one body is none")
       if (allocated(error)) return
-      call check(error, status(7) == poinsot_e_domain .and. count(status /= 0) == 1 .and. abs(kinetic(7)) <= 0, "its status")
+      call check(error, status(7) == poinsot_e_domain .and. count(status /= 0) == 1 &
+         .and. abs(kinetic(7)) <= 0, "its status")
       if (allocated(error)) return
       do i = 1, it%n
          if (i == 7) cycle
          q = it%q(:, i)
-         call check(error, potential(i), merge(2*(q(1)**2 - q(2)**2 - q(3)**2 + q(4)**2), 0.0_dp, it%class(i) == 3), &
+         call check(error, potential(i), merge(2*(q(1)**2 - q(2)**2 - q(3)**2 + q(4)**2), 0.0_dp, &
+            it%class(i) == 3), &
                     "potential", thr=tight)
          if (allocated(error)) return
       end do
-      call check(error, total_degrees_of_freedom(plan, view), 3*50 - count(it%class == 8), "degrees of freedom")
+      call check(error, total_degrees_of_freedom(plan, view), 3*50 - count(it%class == 8), &
+         "degrees of freedom")
    end subroutine test_observe
 
    subroutine evaluate_top(self, t, q, torque, energy, stop)
@@ -411,7 +435,8 @@ contains
       if (t > 1e30_dp) energy = 0
    end subroutine evaluate_top
 
-   !> The heavy top of Hairer and Vilmart by the effect and by a callback, torques in body and space frame.
+   !> The heavy top of Hairer and Vilmart by the effect and by a callback, torques in body and space
+   !> frame.
    subroutine test_callback(error)
       type(error_type), allocatable, intent(out) :: error
       type(poinsot_plan) :: bare, heavy
@@ -431,7 +456,8 @@ contains
       q(:, 1) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
       call view_rows(y, q, view)
       call step_bodies(heavy, view, 0.0_dp, 0.01_dp, 0_i8, 1000_i8, status, problem)
-      call check(error, maxval(abs(q(:, 1) - [0.9257399890934638_dp, -0.3514906679727545_dp, 0.1021838760186523_dp, &
+      call check(error, maxval(abs(q(:, 1) - [0.9257399890934638_dp, -0.3514906679727545_dp, &
+         0.1021838760186523_dp, &
                                               -0.0949644059798463_dp])) < 1e-10_dp, "published top")
       if (allocated(error)) return
       do i = 0, 1
@@ -447,7 +473,8 @@ contains
          call step_bodies(bare, view, 0.0_dp, 0.01_dp, 0_i8, 1000_i8, status, problem, host)
          call check(error, status, poinsot_ok, "steps with a callback")
          if (allocated(error)) return
-         call check(error, maxval(abs(y2 - y)) < 1e-11_dp .and. maxval(abs(q2 - q)) < 1e-11_dp, "callback is not gravity")
+         call check(error, maxval(abs(y2 - y)) < 1e-11_dp &
+            .and. maxval(abs(q2 - q)) < 1e-11_dp, "callback is not gravity")
          if (allocated(error)) return
          bare = poinsot_plan()
       end do
@@ -477,7 +504,8 @@ contains
       q2 = it%q
       call view_rows(y2, q2, view)
       call step_bodies(plan, view, 0.0_dp, 0.1_dp, 0_i8, 6_i8, status, problem, host)
-      call check(error, status == poinsot_e_callback .and. problem%code == poinsot_e_callback, "the callback stopped")
+      call check(error, status == poinsot_e_callback &
+         .and. problem%code == poinsot_e_callback, "the callback stopped")
       if (allocated(error)) return
       call check(error, host%calls == host%last + 1 .and. same_bits(y, y2) .and. same_bits(q, q2), &
                  "the state must be that of before the step")
@@ -491,15 +519,18 @@ contains
       type(top) :: host
       real(dp), target :: y(3, 2), q(4, 2)
       integer :: status, number
-      character(20), parameter :: bad(2, 7) = reshape([character(20) :: "method", "exakt", "splitting", "stang", &
-         "layout", "lamps", "momentum", "body", "frame", "both", "threads", "-2", "sed", "1"], [2, 7])
+      character(20), parameter :: bad(2, 7) = reshape([character(20) :: "method", "exakt", &
+         "splitting", "stang", &
+         "layout", "lamps", "momentum", "body", "frame", "both", "threads", "-2", "sed", "1"], &
+            [2, 7])
       y = 0.1_dp
       q = 0.5_dp
       call view_rows(y, q, view)
       do number = 1, size(bad, 2)
          call clear(problem)
          call set_option(plan, trim(bad(1, number)), trim(bad(2, number)), problem)
-         call check(error, problem%code == merge(poinsot_e_domain, poinsot_e_method, number == 6), "accepted: "//bad(2, number))
+         call check(error, problem%code == merge(poinsot_e_domain, poinsot_e_method, number == 6), &
+            "accepted: "//bad(2, number))
          if (allocated(error)) return
       end do
       call clear(problem)
@@ -532,7 +563,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(setting), allocatable :: s(:)
       type(poinsot_error) :: problem
-      character(24), parameter :: bad(6) = [character(24) :: "centre", "= 1", "a =", "a = 1 two", "a = 1..2", "a = 1; b"]
+      character(24), parameter :: bad(6) = [character(24) :: "centre", "= 1", "a =", "a = 1 two", &
+         "a = 1..2", "a = 1; b"]
       integer :: i
       call read_settings("centre = 0, -1e-3 2;; frame='space' ; kind = slow;", s, problem)
       call check(error, .not. raised(problem) .and. size(s) == 3, "three settings")

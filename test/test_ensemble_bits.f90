@@ -11,7 +11,8 @@ module test_ensemble_bits
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_ensemble_step, only: drift_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name
-   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, class_count, same_bits
+   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, class_count, &
+      same_bits
    implicit none(type, external)
    private
    public :: collect_bits
@@ -168,7 +169,8 @@ contains
       end do
    end subroutine test_one
 
-   !> Ten steps are ten steps of one, with effects, with and without compensated sums, for every splitting's ends.
+   !> Ten steps are ten steps of one, with effects, with and without compensated sums, for every
+   !> splitting's ends.
    subroutine test_steps(error)
       type(error_type), allocatable, intent(out) :: error
       type(crowd), target :: start, at_once, one_by_one
@@ -179,7 +181,8 @@ contains
       integer :: k, m, status
       logical :: compensated
       call make_crowd(200, start)
-      where (start%class == class_count) start%class = 1 ! a tensor class turns frames at the border, which rounds
+      where (start%class == class_count) start%class = 1 ! a tensor class turns frames at the
+                                                         ! border, which rounds
       allocate (carry(7, start%n, 2))
       do m = 0, 2*method_count() - 1
          compensated = mod(m, 2) == 1
@@ -197,7 +200,8 @@ contains
          end do
          call compare(error, at_once, one_by_one, method_name(1 + m/2)//": ten at once")
          if (allocated(error)) return
-         call check(error, same_bits(carry(:, :, 1), carry(:, :, 2)), method_name(1 + m/2)//": carries of ten at once")
+         call check(error, same_bits(carry(:, :, 1), carry(:, :, 2)), method_name(1 + m/2)// &
+            ": carries of ten at once")
          if (allocated(error)) return
          call check(error, (maxval(abs(carry)) > 0) .eqv. compensated, "carries in use")
          if (allocated(error)) return
@@ -305,9 +309,11 @@ contains
       if (allocated(error)) return
       do i = 1, start%n
          if (any(failures == i)) then
-            call check(error, each(i), merge(poinsot_e_step, poinsot_e_domain, i == 100), "status of a body that fails")
+            call check(error, each(i), merge(poinsot_e_step, poinsot_e_domain, i == 100), &
+               "status of a body that fails")
             if (allocated(error)) return
-            call compare(error, taken(ill, [i]), taken(start, [i]), "a body that fails keeps its state")
+            call compare(error, taken(ill, [i]), taken(start, [i]), &
+               "a body that fails keeps its state")
          else
             call check(error, each(i), poinsot_ok, "status of a good body")
             if (allocated(error)) return

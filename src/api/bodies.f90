@@ -1,7 +1,7 @@
 !> Behind the C entry points that fill a view of bodies. See include/poinsot.h and door.c.
 module poinsot_api_bodies
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int8_t, c_loc, &
-      c_ptr, c_size_t, c_sizeof
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int8_t, &
+      c_loc, c_ptr, c_size_t, c_sizeof
    use poinsot_api_text, only: from_c
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_null, poinsot_e_size
@@ -15,8 +15,8 @@ module poinsot_api_bodies
 
 contains
 
-   !> Open what a C caller handed over. A struct longer than ours, from a newer header, is taken if its end is zero: then it
-   !> asks for nothing that we do not know.
+   !> Open what a C caller handed over. A struct longer than ours, from a newer header, is taken if
+   !> its end is zero: then it asks for nothing that we do not know.
    subroutine open_bodies(bodies, view, error)
       type(c_ptr), intent(in) :: bodies            !! const poinsot_bodies *
       type(body_view), intent(out) :: view
@@ -42,7 +42,8 @@ contains
       call open_view(known, view, error)
    end subroutine open_bodies
 
-   !> View of rows: momentum [n][3] or [n][4], attitude [n][4], quaternion in the order "wxyz" or "xyzw".
+   !> View of rows: momentum [n][3] or [n][4], attitude [n][4], quaternion in the order "wxyz" or
+   !> "xyzw".
    integer(c_int) function bodies_rows(bodies, layout, order, n, momentum, attitude) &
          bind(c, name="poinsot_do_bodies_rows") result(status)
       type(c_ptr), value :: bodies               !! poinsot_bodies *
@@ -75,7 +76,8 @@ contains
       end do
    end function bodies_rows
 
-   !> View of component arrays: momentum[3] or [4] and attitude[4] (w, x, y, z) point to n numbers each.
+   !> View of component arrays: momentum[3] or [4] and attitude[4] (w, x, y, z) point to n numbers
+   !> each.
    integer(c_int) function bodies_arrays(bodies, layout, n, momentum, attitude) &
          bind(c, name="poinsot_do_bodies_arrays") result(status)
       type(c_ptr), value :: bodies               !! poinsot_bodies *
@@ -106,7 +108,8 @@ contains
       if (components == 4) view%y_fourth = y(4)
    end function bodies_arrays
 
-   !> What both have in common: an empty view of n bodies, and the components of the layout's momentum.
+   !> What both have in common: an empty view of n bodies, and the components of the layout's
+   !> momentum.
    subroutine start(bodies, layout, n, view, components, status)
       type(c_ptr), intent(in) :: bodies, layout
       integer(c_size_t), intent(in) :: n
@@ -124,7 +127,8 @@ contains
       view = poinsot_bodies()
       view%size = c_sizeof(view)
       do k = 1, size(layout_names)
-         if (layout_names(k) == name) components = merge(4, 3, layout_momentum(k) == conjugate_momentum)
+         if (layout_names(k) == name) components = merge(4, 3, &
+            layout_momentum(k) == conjugate_momentum)
       end do
       status = poinsot_e_method
       if (components == 0) return

@@ -1,6 +1,8 @@
-!> Behind the C entry points for one kind of body: create, destroy, rotate. See include/poinsot.h and door.c.
+!> Behind the C entry points for one kind of body: create, destroy, rotate. See include/poinsot.h
+!> and door.c.
 module poinsot_api_body
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
+      c_null_ptr, c_ptr, c_size_t
    use poinsot_api_text, only: from_c
    use poinsot_body_class, only: body_class, make_class
    use poinsot_body_inertia, only: principal_axes
@@ -15,7 +17,8 @@ module poinsot_api_body
 contains
 
    !> A body class from principal moments.
-   integer(c_int) function body_create(moments, body) bind(c, name="poinsot_do_body_create") result(status)
+   integer(c_int) function body_create(moments, body) bind(c, name="poinsot_do_body_create") &
+      result(status)
       type(c_ptr), value :: moments  !! const double[3]
       type(c_ptr), value :: body     !! poinsot_body **
       real(c_double), pointer :: m(:)
@@ -29,8 +32,10 @@ contains
       call create(m, handle, status)
    end function body_create
 
-   !> A body class from a full inertia tensor, row-major; `axes` gets the principal axes as columns, row-major.
-   integer(c_int) function body_create_tensor(inertia, body, axes) bind(c, name="poinsot_do_body_create_tensor") result(status)
+   !> A body class from a full inertia tensor, row-major; `axes` gets the principal axes as columns,
+   !> row-major.
+   integer(c_int) function body_create_tensor(inertia, body, axes) &
+      bind(c, name="poinsot_do_body_create_tensor") result(status)
       type(c_ptr), value :: inertia  !! const double[9]
       type(c_ptr), value :: body     !! poinsot_body **
       type(c_ptr), value :: axes     !! double[9], may be NULL
@@ -86,7 +91,8 @@ contains
    end subroutine body_destroy
 
    !> `steps` free steps of h for n bodies of one class, in place.
-   integer(c_int) function rotate(body, method, h, steps, n, y, q, per_body) bind(c, name="poinsot_do_rotate") result(status)
+   integer(c_int) function rotate(body, method, h, steps, n, y, q, per_body) &
+      bind(c, name="poinsot_do_rotate") result(status)
       type(c_ptr), value :: body      !! const poinsot_body *
       type(c_ptr), value :: method    !! const char *
       real(c_double), value :: h      !! step, either sign

@@ -1,5 +1,5 @@
-!> What processor the Fortran part of this build was compiled for, as constant data: src/api/door.c reads it before it
-!> lets anybody in.
+!> What processor the Fortran part of this build was compiled for, as constant data: src/api/door.c
+!> reads it before it lets anybody in.
 module poinsot_api_build
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: compiler_options
@@ -8,7 +8,8 @@ module poinsot_api_build
    private
    public :: build_needs, build_version, built_with
 
-   character(*), parameter :: options = compiler_options()//" " !! the compiler spells -march=native out
+   ! The compiler spells -march=native out.
+   character(*), parameter :: options = compiler_options()//" "
 
    integer :: i !! of the tables only
 
@@ -18,14 +19,18 @@ module poinsot_api_build
       "avx512f", "avx512vl", "avx512bw", "avx512dq", "avx512cd", "avx512vbmi", "avx512ifma", &
       "avx512vpopcntdq", "avx512vbmi2", "gfni", "vpclmulqdq", "avx512vnni"]
 
-   !> Levels that a -march= may name instead of the features: how many of them it stands for, from the first on.
+   !> Levels that a -march= may name instead of the features: how many of them it stands for, from
+   !> the first on.
    integer, parameter :: v2 = 5, avx = 6, v3 = 10, v4 = 15, all = 22
    character(16), parameter :: machines(28) = [character(16) :: &
       "x86-64-v2", "nehalem", "westmere", "silvermont", "goldmont", "sandybridge", "ivybridge", &
-      "x86-64-v3", "haswell", "broadwell", "skylake", "alderlake", "core-avx2", "znver1", "znver2", "znver3", &
+      "x86-64-v3", "haswell", "broadwell", "skylake", "alderlake", "core-avx2", "znver1", &
+         "znver2", "znver3", &
       "x86-64-v4", "skylake-avx512", "cascadelake", "cooperlake", &
-      "icelake-client", "icelake-server", "tigerlake", "rocketlake", "sapphirerapids", "graniterapids", "znver4", "znver5"]
-   integer, parameter :: levels(28) = [(v2, i=1, 5), avx, avx, (v3, i=8, 16), (v4, i=17, 20), (all, i=21, 28)]
+      "icelake-client", "icelake-server", "tigerlake", "rocketlake", "sapphirerapids", &
+         "graniterapids", "znver4", "znver5"]
+   integer, parameter :: levels(28) = [(v2, i=1, 5), avx, avx, (v3, i=8, 16), (v4, i=17, 20), &
+      (all, i=21, 28)]
 
    integer, parameter :: from = index(options, "-march=") + 7
    character(16), parameter :: machine = options(from:from - 2 + index(options(from:), " "))
@@ -37,7 +42,8 @@ module poinsot_api_build
             .and. index(options, "-mno-"//trim(features(i))//" ") == 0), i=1, size(features))])
 
    !> The version for those whom the door does not let in.
-   integer(c_int), protected, save, bind(c, name="poinsot_build_version") :: build_version = version_number
+   integer(c_int), protected, save, &
+      bind(c, name="poinsot_build_version") :: build_version = version_number
 
 contains
 

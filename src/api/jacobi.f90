@@ -1,19 +1,21 @@
 !> Behind the C entry point of Jacobi's elliptic functions. See include/poinsot.h and door.c.
 module poinsot_api_jacobi
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr, &
+      c_size_t
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_null, poinsot_e_size
    use poinsot_elliptic_jacobi, only: jacobi_array
    implicit none(type, external)
    private
 
-   integer(c_size_t), parameter :: most = huge(0_c_size_t)/64 !! bytes of an array stay countable
+   integer(c_size_t), parameter :: most = 2_c_size_t**57 !! bytes of an array stay countable
 
 contains
 
    !> sn, cn, dn of n arguments. POINSOT_E_DOMAIN if one of them is out of its domain; it gets NaN.
-   integer(c_int) function jacobi(n, u, m, m1, sn, cn, dn) bind(c, name="poinsot_do_jacobi") result(status)
+   integer(c_int) function jacobi(n, u, m, m1, sn, cn, dn) bind(c, name="poinsot_do_jacobi") &
+      result(status)
       integer(c_size_t), value :: n
       type(c_ptr), value :: u, m         !! const double[n]: arguments, parameters
       type(c_ptr), value :: m1           !! const double[n]: 1 - m, or NULL
@@ -26,7 +28,8 @@ contains
       status = poinsot_ok
       if (n == 0) return
       status = poinsot_e_null
-      if (.not. (c_associated(u) .and. c_associated(m) .and. c_associated(sn) .and. c_associated(cn) &
+      if (.not. (c_associated(u) .and. c_associated(m) .and. c_associated(sn) &
+         .and. c_associated(cn) &
                  .and. c_associated(dn))) return
       status = poinsot_e_size
       if (n < 0 .or. n > most) return
@@ -45,7 +48,8 @@ contains
          else
             complement(1:k) = complement_of(mm(first:last))
          end if
-         call jacobi_array(uu(first:last), mm(first:last), complement(1:k), s(first:last), c(first:last), d(first:last))
+         call jacobi_array(uu(first:last), mm(first:last), complement(1:k), s(first:last), &
+            c(first:last), d(first:last))
          if (any(ieee_is_nan(d(first:last)))) status = poinsot_e_domain
       end do
    end function jacobi

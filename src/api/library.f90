@@ -1,6 +1,8 @@
-!> C entry points that ask the library about itself: version, statuses, features, methods. See include/poinsot.h.
+!> C entry points that ask the library about itself: version, statuses, features, methods. See
+!> include/poinsot.h.
 module poinsot_api_library
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr, &
+      c_size_t
    use poinsot_api_build, only: built_with
    use poinsot_api_text, only: from_c
    use poinsot_core_status, only: status_texts, last_status
@@ -20,7 +22,8 @@ module poinsot_api_library
    character(length, c_char), target, save :: methods(size(method_names)) = &
       [character(length, c_char) :: (trim(method_names(i))//c_null_char, i=1, size(method_names))]
    character(length, c_char), target, save :: splittings(size(splitting_names)) = &
-      [character(length, c_char) :: (trim(splitting_names(i))//c_null_char, i=1, size(splitting_names))]
+      [character(length, c_char) :: (trim(splitting_names(i))//c_null_char, i=1, &
+         size(splitting_names))]
    character(length, c_char), target, save :: effects(size(effect_names)) = &
       [character(length, c_char) :: (trim(effect_names(i))//c_null_char, i=1, size(effect_names))]
 

@@ -1,7 +1,8 @@
-!> Behind the C entry points of the plan: create, fill, close, ask. See include/poinsot.h and door.c.
+!> Behind the C entry points of the plan: create, fill, close, ask. See include/poinsot.h and
+!> door.c.
 module poinsot_api_plan
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr, &
-      c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
+      c_null_ptr, c_ptr, c_size_t
    use poinsot_api_bodies, only: open_bodies
    use poinsot_api_text, only: from_c, to_c
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -9,7 +10,8 @@ module poinsot_api_plan
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, set_option, add_effect, make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, set_option, &
+      add_effect, make_ready
    use poinsot_ensemble_step, only: check_ready
    implicit none(type, external)
    private
@@ -58,7 +60,8 @@ contains
       if (c_associated(plan)) call c_f_pointer(plan, p)
    end subroutine open_plan
 
-   !> Status of a change, its message kept with the plan. A plan that is ready may be shared: nothing is written to it.
+   !> Status of a change, its message kept with the plan. A plan that is ready may be shared:
+   !> nothing is written to it.
    integer(c_int) function answer(p, error)
       type(plan_handle), intent(inout) :: p
       type(poinsot_error), intent(in) :: error
@@ -69,7 +72,8 @@ contains
    end function answer
 
    !> Add a body class by its moments.
-   integer(c_int) function plan_add_class(plan, moments, number) bind(c, name="poinsot_do_plan_add_class") result(status)
+   integer(c_int) function plan_add_class(plan, moments, number) &
+      bind(c, name="poinsot_do_plan_add_class") result(status)
       type(c_ptr), value :: plan      !! poinsot_plan *
       type(c_ptr), value :: moments   !! const double[3]
       type(c_ptr), value :: number    !! int *, may be NULL
@@ -113,7 +117,8 @@ contains
    end function add_any
 
    !> Set an option by name.
-   integer(c_int) function plan_set(plan, option, value) bind(c, name="poinsot_do_plan_set") result(status)
+   integer(c_int) function plan_set(plan, option, value) bind(c, name="poinsot_do_plan_set") &
+      result(status)
       type(c_ptr), value :: plan             !! poinsot_plan *
       type(c_ptr), value :: option, value    !! const char *
       type(plan_handle), pointer :: p
@@ -133,7 +138,8 @@ contains
    end function plan_set
 
    !> Add an effect by name, with settings in one text.
-   integer(c_int) function plan_add_effect(plan, name, settings) bind(c, name="poinsot_do_plan_add_effect") result(status)
+   integer(c_int) function plan_add_effect(plan, name, settings) &
+      bind(c, name="poinsot_do_plan_add_effect") result(status)
       type(c_ptr), value :: plan             !! poinsot_plan *
       type(c_ptr), value :: name             !! const char *
       type(c_ptr), value :: settings         !! const char *, may be NULL
@@ -169,7 +175,8 @@ contains
    end function plan_ready
 
    !> Length of the message of the last change that failed, and as much of it as the buffer takes.
-   integer(c_size_t) function plan_message(plan, buffer, capacity) bind(c, name="poinsot_do_plan_message") result(length)
+   integer(c_size_t) function plan_message(plan, buffer, capacity) &
+      bind(c, name="poinsot_do_plan_message") result(length)
       type(c_ptr), value :: plan             !! const poinsot_plan *
       type(c_ptr), value :: buffer           !! char *, may be NULL
       integer(c_size_t), value :: capacity   !! bytes in it
@@ -183,7 +190,8 @@ contains
    end function plan_message
 
    !> Would these bodies do for this plan? The reason if not goes to the buffer.
-   integer(c_int) function bodies_check(plan, bodies, buffer, capacity) bind(c, name="poinsot_do_bodies_check") result(status)
+   integer(c_int) function bodies_check(plan, bodies, buffer, capacity) &
+      bind(c, name="poinsot_do_bodies_check") result(status)
       type(c_ptr), value :: plan             !! const poinsot_plan *
       type(c_ptr), value :: bodies           !! const poinsot_bodies *
       type(c_ptr), value :: buffer           !! char *, may be NULL

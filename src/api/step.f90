@@ -1,8 +1,8 @@
-!> Behind the C entry points that a host calls every step: drift, kick, step, and what an ensemble has. See
-!> include/poinsot.h and door.c.
+!> Behind the C entry points that a host calls every step: drift, kick, step, and what an ensemble
+!> has. See include/poinsot.h and door.c.
 module poinsot_api_step
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_f_procpointer, c_funptr, c_int, c_int64_t, &
-      c_loc, c_null_ptr, c_ptr, c_ptrdiff_t, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_f_procpointer, &
+      c_funptr, c_int, c_int64_t, c_loc, c_null_ptr, c_ptr, c_ptrdiff_t, c_size_t
    use poinsot_api_bodies, only: open_bodies
    use poinsot_api_plan, only: plan_handle, open_plan
    use poinsot_core_error, only: poinsot_error, raised
@@ -17,7 +17,8 @@ module poinsot_api_step
 
    abstract interface
       !> poinsot_torque of poinsot.h
-      integer(c_int) function torque_function(context, t, n, q, q_stride, torque, torque_stride, energy) bind(c)
+      integer(c_int) function torque_function(context, t, n, q, q_stride, torque, torque_stride, &
+         energy) bind(c)
          import :: c_double, c_int, c_ptr, c_ptrdiff_t, c_size_t
          implicit none(type, external)
          type(c_ptr), value :: context
@@ -68,7 +69,8 @@ contains
    end function drift
 
    !> y += h torque
-   integer(c_int) function kick(plan, bodies, h, torque, stride) bind(c, name="poinsot_do_kick") result(status)
+   integer(c_int) function kick(plan, bodies, h, torque, stride) bind(c, name="poinsot_do_kick") &
+      result(status)
       type(c_ptr), value :: plan, bodies     !! const poinsot_plan *, const poinsot_bodies *
       real(c_double), value :: h
       type(c_ptr), value :: torque           !! const double *const[3]
@@ -133,11 +135,13 @@ contains
       do j = 1, 3
          torques(j) = c_loc(torque(1, j))
       end do
-      stop = self%call(self%context, t, size(q, 1, c_size_t), attitudes, 1_c_ptrdiff_t, torques, 1_c_ptrdiff_t, energy) /= 0
+      stop = self%call(self%context, t, size(q, 1, c_size_t), attitudes, 1_c_ptrdiff_t, torques, &
+         1_c_ptrdiff_t, energy) /= 0
    end subroutine evaluate_c
 
    !> Energies of each body.
-   integer(c_int) function energy(plan, bodies, t, kinetic, potential) bind(c, name="poinsot_do_energy") result(status)
+   integer(c_int) function energy(plan, bodies, t, kinetic, potential) &
+      bind(c, name="poinsot_do_energy") result(status)
       type(c_ptr), value :: plan, bodies         !! const poinsot_plan *, const poinsot_bodies *
       real(c_double), value :: t
       type(c_ptr), value :: kinetic, potential   !! double[n], may be NULL
@@ -150,7 +154,8 @@ contains
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
       status = poinsot_e_memory
-      allocate (unwanted(merge(0, view%n, c_associated(kinetic) .and. c_associated(potential))), stat=state)
+      allocate (unwanted(merge(0, view%n, c_associated(kinetic) .and. c_associated(potential))), &
+         stat=state)
       if (state /= 0) return
       k => unwanted
       u => unwanted
@@ -164,7 +169,8 @@ contains
    end function energy
 
    !> Angular momentum of each body in space.
-   integer(c_int) function momentum(plan, bodies, space) bind(c, name="poinsot_do_momentum") result(status)
+   integer(c_int) function momentum(plan, bodies, space) bind(c, name="poinsot_do_momentum") &
+      result(status)
       type(c_ptr), value :: plan, bodies     !! const poinsot_plan *, const poinsot_bodies *
       type(c_ptr), value :: space            !! double[n][3]
       type(plan_handle), pointer :: p
@@ -180,7 +186,8 @@ contains
    end function momentum
 
    !> Rotational degrees of freedom of all bodies.
-   integer(c_int) function degrees_of_freedom(plan, bodies, total) bind(c, name="poinsot_do_degrees_of_freedom") result(status)
+   integer(c_int) function degrees_of_freedom(plan, bodies, total) &
+      bind(c, name="poinsot_do_degrees_of_freedom") result(status)
       type(c_ptr), value :: plan, bodies     !! const poinsot_plan *, const poinsot_bodies *
       type(c_ptr), value :: total            !! size_t *
       type(plan_handle), pointer :: p

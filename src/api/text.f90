@@ -1,6 +1,7 @@
 !> Text across the C border.
 module poinsot_api_text
-   use, intrinsic :: iso_c_binding, only: c_char, c_ptr, c_null_char, c_size_t, c_associated, c_f_pointer
+   use, intrinsic :: iso_c_binding, only: c_char, c_ptr, c_null_char, c_size_t, c_associated, &
+      c_f_pointer
    implicit none(type, external)
    private
    public :: from_c, to_c, longest_text
@@ -28,7 +29,8 @@ contains
       end do
    end subroutine from_c
 
-   !> A Fortran text into a C buffer: at most `capacity` bytes, the last of them zero. A NULL buffer takes nothing.
+   !> A Fortran text into a C buffer: at most `capacity` bytes, the last of them zero. A NULL buffer
+   !> takes nothing.
    subroutine to_c(s, buffer, capacity)
       character(*), intent(in) :: s
       type(c_ptr), intent(in) :: buffer
@@ -37,7 +39,8 @@ contains
       integer :: n, i
       if (.not. c_associated(buffer) .or. capacity == 0) return
       n = len(s)
-      if (capacity > 0) n = int(min(int(n, c_size_t), capacity - 1)) ! a capacity beyond the signed range is enough
+      if (capacity > 0) n = int(min(int(n, c_size_t), capacity - 1)) ! a capacity beyond the signed
+                                                                     ! range is enough
       call c_f_pointer(buffer, c, [n + 1])
       do i = 1, n
          c(i) = s(i:i)

@@ -12,8 +12,9 @@ module poinsot_effect_settings_text
 
 contains
 
-   !> Settings from a text: `key = values`, separated by semicolons; values are numbers (blanks or commas between them) or
-   !> one word, which may stand in quotes. POINSOT_E_DOMAIN, quoting the part, for anything else.
+   !> Settings from a text: `key = values`, separated by semicolons; values are numbers (blanks or
+   !> commas between them) or one word, which may stand in quotes. POINSOT_E_DOMAIN, quoting the
+   !> part, for anything else.
    subroutine read_settings(text, settings, error)
       character(*), intent(in) :: text
       type(setting), allocatable, intent(out) :: settings(:)
@@ -51,9 +52,11 @@ contains
       if (equals > 0) one%key = trimmed(part(1:equals - 1))
       if (equals > 0) values = trimmed(part(equals + 1:))
       if (equals == 0) then
-         call raise(error, poinsot_e_domain, "settings: '"//trimmed(part)//"' is not of the form key = values")
+         call raise(error, poinsot_e_domain, "settings: '"//trimmed(part)// &
+            "' is not of the form key = values")
       else if (len(one%key) == 0 .or. len(values) == 0) then
-         call raise(error, poinsot_e_domain, "settings: '"//trimmed(part)//"' lacks its key or its values")
+         call raise(error, poinsot_e_domain, "settings: '"//trimmed(part)// &
+            "' lacks its key or its values")
       else if (is_quoted(values)) then
          one%text = values(2:len(values) - 1)
       else if (scan(values(1:1), "+-.0123456789") == 1 .or. is_number_word(values)) then
@@ -84,10 +87,12 @@ contains
          last = scan(values(first:), blanks) + first - 2
          if (last < first) last = len(values)
          state = 1
-         if (verify(values(first:last), "+-.0123456789eEdDnNaAiIfFtTyY") == 0) &
+         if (verify(values(first:last), "+-.0123456789eEdDnNaAiIfFtTyY") == 0) then
             read (values(first:last), *, iostat=state) x
+         end if
          if (state /= 0) then
-            call raise(error, poinsot_e_domain, "settings: '"//one%key//" = "//values//"': '"//values(first:last)// &
+            call raise(error, poinsot_e_domain, "settings: '"//one%key//" = "//values//"': '"// &
+               values(first:last)// &
                        "' is not a number")
             return
          end if
@@ -102,13 +107,15 @@ contains
    pure logical function is_quoted(s)
       character(*), intent(in) :: s
       is_quoted = .false.
-      if (len(s) >= 2) is_quoted = (s(1:1) == "'" .or. s(1:1) == '"') .and. s(len(s):len(s)) == s(1:1)
+      if (len(s) >= 2) is_quoted = (s(1:1) == "'" .or. s(1:1) == '"') .and. s(len(s):len(s)) &
+         == s(1:1)
    end function is_quoted
 
    !> nan and inf are numbers: the effect says that they are not finite.
    pure logical function is_number_word(s)
       character(*), intent(in) :: s
-      is_number_word = any(s == [character(8) :: "nan", "NaN", "NAN", "inf", "Inf", "INF", "infinity", "Infinity"])
+      is_number_word = any(s == [character(8) :: "nan", "NaN", "NAN", "inf", "Inf", "INF", &
+         "infinity", "Infinity"])
    end function is_number_word
 
    !> Without blanks at both ends.

@@ -10,7 +10,7 @@ module poinsot_ensemble_bodies
    public :: poinsot_bodies, column, body_view, view_rows, view_columns, open_view, open_column
    public :: most_bodies
 
-   integer, parameter :: most_bodies = huge(0)/8 !! in one call
+   integer, parameter :: most_bodies = 268435455 !! in one call: places times 8 stay countable
 
    !> What C sees as `poinsot_bodies` (include/poinsot.h): component pointers and strides in doubles.
    type, bind(c) :: poinsot_bodies

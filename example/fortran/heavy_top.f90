@@ -1,6 +1,8 @@
 !> A spinning top by `use poinsot`: gfortran heavy_top.f90 $(pkg-config --cflags --libs poinsot)
 program heavy_top
-   use poinsot
+   use poinsot, only: dp, poinsot_bodies, poinsot_bodies_rows, poinsot_energy, poinsot_error, &
+      poinsot_plan, poinsot_plan_add_class, poinsot_plan_add_effect, poinsot_plan_ready, &
+      poinsot_step, raised
    implicit none(type, external)
    type(poinsot_plan) :: plan
    type(poinsot_bodies) :: bodies
@@ -11,7 +13,8 @@ program heavy_top
    y(:, 1) = [1.8_dp, 0.4_dp, -0.9_dp]
    q(:, 1) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
    call poinsot_plan_add_class(plan, [0.6_dp, 0.8_dp, 1.0_dp], number, error)
-   if (.not. raised(error)) call poinsot_plan_add_effect(plan, "gravity", "centre = 0, 0, 1; weight = 1", error)
+   if (.not. raised(error)) call poinsot_plan_add_effect(plan, "gravity", &
+      "centre = 0, 0, 1; weight = 1", error)
    if (.not. raised(error)) call poinsot_plan_ready(plan, error)
    if (.not. raised(error)) call poinsot_bodies_rows(bodies, y, q, error)
 
