@@ -7,7 +7,7 @@ module poinsot_free_method
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
    use poinsot_body_class, only: body_class
-   use poinsot_free_accumulate, only: add_plain, add_compensated, conserve_energy
+   use poinsot_free_accumulate, only: add_plain, add_compensated, conserve
    use poinsot_free_exact, only: exact_increment
    use poinsot_free_jacobi_solution, only: jacobi_increment
    use poinsot_free_moser_veselov, only: moser_veselov_increment, midpoint_increment
@@ -135,7 +135,7 @@ contains
          end do
       end if
       if (present(carry)) then
-         if (method%conserves_energy) call conserve_energy(class, hl, y, dy)
+         call conserve(class, method%conserves_energy, hl, y, dy, carry)
          call add_compensated(hl, dy, dq, y, q, carry)
       else
          call add_plain(hl, dy, dq, y, q)
