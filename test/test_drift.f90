@@ -1,5 +1,6 @@
-!> What long runs keep, with and without compensated sums: growth of |dH/H| and ||y| - |y0||/|y0| over the steps, and |q|.
-!> States are judged in quadruple precision, with the carry that belongs to them.
+!> What long runs keep, with and without compensated sums: growth of |dH/H| and ||y| - |y0||/|y0|
+!> over the steps, and |q|. States are judged in quadruple precision, with the carry that belongs to
+!> them.
 module test_drift
    use, intrinsic :: iso_fortran_env, only: output_unit
    use testdrive, only: new_unittest, unittest_type, error_type, check
@@ -23,7 +24,8 @@ module test_drift
       type(body_class) :: class
       logical :: compensated = .false.
       integer :: blocks = 1
-      real(dp) :: y(lanes, 3, most_blocks), q(lanes, 4, most_blocks), carry(lanes, 7, most_blocks) = 0
+      real(dp) :: y(lanes, 3, most_blocks), q(lanes, 4, most_blocks), carry(lanes, 7, &
+         most_blocks) = 0
       real(qp) :: energy(lanes, most_blocks), momentum(lanes, most_blocks)
       integer :: status(lanes, most_blocks) = poinsot_ok
    end type rotors
@@ -62,12 +64,14 @@ contains
       call judge(error, "three-rotations")
    end subroutine test_others
 
-   !> 1e5 steps at h|omega| = .1, one block, plain and compensated: size at the end, growth exponent.
+   !> 1e5 steps at h|omega| = .1, one block, plain and compensated: size at the end, growth
+   !> exponent.
    subroutine judge(error, name)
       type(error_type), allocatable, intent(out) :: error
       character(*), intent(in) :: name
       integer, parameter :: points = 6
-      integer(i8), parameter :: times(points) = [1000_i8, 3000_i8, 10000_i8, 30000_i8, 60000_i8, 100000_i8]
+      integer(i8), parameter :: times(points) = [1000_i8, 3000_i8, 10000_i8, 30000_i8, 60000_i8, &
+         100000_i8]
       type(rotors) :: r
       real(dp) :: rms(points, 2), norm, slope(2), largest
       integer :: mode, k, j, used
@@ -85,20 +89,23 @@ contains
          do j = 1, 2
             if (j == 1 .and. .not. r%method%conserves_energy) cycle
             call measure_slope(real(times, dp), rms(:, j), 1.0e-19_dp, slope(j), used)
-            call check(error, rms(points, j) < largest, name//merge(", plain,      ", ", compensated,", &
+            call check(error, rms(points, j) < largest, name//merge(", plain,      ", ", &
+               compensated,", &
                mode == 1)//merge(" H: ", "|y|:", j == 1)//text(rms(points, j)))
             if (allocated(error)) return
             call check(error, slope(j) < merge(0.9_dp, 0.65_dp, mode == 1), &
-               name//merge(", plain,      ", ", compensated,", mode == 1)//merge(" H ", "|y|", j == 1)// &
+               name//merge(", plain,      ", ", compensated,", mode == 1)//merge(" H ", "|y|", &
+                  j == 1)// &
                " grows with the power "//text(slope(j)))
             if (allocated(error)) return
          end do
       end do
    end subroutine judge
 
-   !> 1e8 steps of `exact` at h|omega| = .1, 64 rotors, plain and compensated side by side. A rotor's growth exponent is
-   !> the slope of the rms change of H over tau steps, tau from 1e5 to 3e7, taken all along its run: a single |dH/H|
-   !> is one random walk, whose own exponent scatters by a tenth.
+   !> 1e8 steps of `exact` at h|omega| = .1, 64 rotors, plain and compensated side by side. A
+   !> rotor's growth exponent is the slope of the rms change of H over tau steps, tau from 1e5 to
+   !> 3e7, taken all along its run: a single |dH/H| is one random walk, whose own exponent scatters
+   !> by a tenth.
    subroutine test_deep(error)
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: samples = 4000, rotors_count = most_blocks*lanes
@@ -109,7 +116,8 @@ contains
       character(12), parameter :: modes(2) = [character(12) :: "plain", "compensated"]
       integer :: mode, k
       allocate (path(rotors_count, samples))
-      write (output_unit, '(a)') "  exact, 1e8 steps     rms |dH/H|  rms |d|y||/|y|  largest ||q|-1|   "// &
+      write (output_unit, '(a)') "  exact, &
+         1e8 steps     rms |dH/H|  rms |d|y||/|y|  largest ||q|-1|   "// &
          "growth exponents: least, mean, largest"
       do mode = 1, 2
          call begin(r, "exact", most_blocks, mode == 2)
@@ -119,9 +127,11 @@ contains
          end do
          call defects(r, rms(mode), momentum(mode), norm(mode))
          call growth(path, exponents)
-         write (output_unit, '(2x, a, 6x, 3es15.2, 10x, 3f8.2)') modes(mode), rms(mode), momentum(mode), &
+         write (output_unit, '(2x, a, 6x, 3es15.2, 10x, 3f8.2)') modes(mode), rms(mode), &
+            momentum(mode), &
             norm(mode), minval(exponents), sum(exponents)/rotors_count, maxval(exponents)
-         call check(error, all(r%status == poinsot_ok) .and. norm(mode) < 1.0e-15_dp, "|q|: "//text(norm(mode)))
+         call check(error, all(r%status == poinsot_ok) .and. norm(mode) < 1.0e-15_dp, &
+            "|q|: "//text(norm(mode)))
          if (allocated(error)) return
       end do
       call check(error, rms(2) <= 5.0e-14_dp, "rms |dH/H| "//text(rms(2)))
@@ -131,20 +141,24 @@ contains
       call check(error, maxval(exponents) <= 0.6_dp, "growth exponent "//text(maxval(exponents)))
    end subroutine test_deep
 
-   !> Exponent of every rotor: slope of rms (H(t + tau) - H(t)) over tau = 4, 8, ... 1024 samples.
+   !> Exponent of every rotor: slope of log rms (H(t + tau) - H(t)) over log tau, tau = 4, 8, ...
+   !> 1024 samples, each weighted by how many separate stretches of that length the run has.
    subroutine growth(path, exponents)
       real(dp), intent(in) :: path(:, :)         !! (rotor, sample): dH/H
       real(dp), intent(out) :: exponents(:)
       integer, parameter :: points = 9
-      real(dp) :: tau(points), change(points)
-      integer :: l, k, lag, used
+      real(dp) :: x(points), z(points), weight(points)
+      integer :: l, k, lag, n
+      n = size(path, 2)
       do l = 1, size(exponents)
          do k = 1, points
             lag = 2**(k + 1)
-            tau(k) = lag
-            change(k) = sqrt(sum((path(l, lag + 1:) - path(l, :size(path, 2) - lag))**2)/(size(path, 2) - lag))
+            weight(k) = real(n - lag, dp)/lag
+            x(k) = log(real(lag, dp))
+            z(k) = 0.5_dp*log(sum((path(l, lag + 1:) - path(l, :n - lag))**2)/(n - lag))
          end do
-         call measure_slope(tau, change, 1.0e-20_dp, exponents(l), used)
+         x = x - sum(weight*x)/sum(weight)
+         exponents(l) = sum(weight*x*z)/sum(weight*x*x)
       end do
    end subroutine growth
 
@@ -180,7 +194,8 @@ contains
       do b = 1, r%blocks
          do n = 1, steps
             if (r%compensated) then
-               call advance(r%method, r%class, h, r%y(:, :, b), r%q(:, :, b), r%status(:, b), r%carry(:, :, b))
+               call advance(r%method, r%class, h, r%y(:, :, b), r%q(:, :, b), r%status(:, b), &
+                  r%carry(:, :, b))
             else
                call advance(r%method, r%class, h, r%y(:, :, b), r%q(:, :, b), r%status(:, b))
             end if

@@ -1,5 +1,5 @@
-!> Dual numbers in quadruple precision: a value and its six partial derivatives, carried along exactly. A map written in them
-!> gives its Jacobian to the same rounding as its value.
+!> Dual numbers in quadruple precision: a value and its six partial derivatives, carried along
+!> exactly. A map written in them gives its Jacobian to the same rounding as its value.
 module poinsot_study_dual
    use poinsot_core_kinds, only: qp
    implicit none(type, external)

@@ -1,9 +1,11 @@
-!> The map of every free method once more, plainly, in dual numbers of quadruple precision: value and Jacobian of one step.
-!> The kernels are double precision and cannot tell what a property costs them below 1e-16; these maps can, and are compared
-!> with the kernels, state by state, before anything is said about them.
+!> The map of every free method once more, plainly, in dual numbers of quadruple precision: value
+!> and Jacobian of one step. The kernels are double precision and cannot tell what a property costs
+!> them below 1e-16; these maps can, and are compared with the kernels, state by state, before
+!> anything is said about them.
 module poinsot_study_maps
    use poinsot_core_kinds, only: dp, qp
-   use poinsot_study_dual, only: dual, constant, sqrt, sin, cos, operator(+), operator(-), operator(*), operator(/)
+   use poinsot_study_dual, only: dual, constant, sqrt, sin, cos, operator(+), operator(-), &
+      operator(*), operator(/)
    implicit none(type, external)
    private
    public :: step_map, dual_product
@@ -15,7 +17,8 @@ contains
 
    !> One step h of the method `name`, moments in any order; a zero moment counts as 1/I = 0.
    subroutine step_map(name, moments, h, y, q, ok)
-      character(*), intent(in) :: name           !! of the registry; exact and jacobi are the flow itself
+      !> of the registry; exact and jacobi are the flow itself
+      character(*), intent(in) :: name
       real(dp), intent(in) :: moments(3)
       real(qp), intent(in) :: h
       type(dual), intent(inout) :: y(3), q(4)
@@ -55,7 +58,7 @@ contains
    end subroutine step_map
 
    ! Splittings
-   ! ---------------------------------------------------------------------------------------------------------------
+   ! -----------------------------------------------------------------------------------------------
 
    !> The body turns by `angle` about its own axis j.
    pure subroutine turn_axis(j, angle, y, q)
@@ -77,7 +80,8 @@ contains
       q = dual_product(q, r)
    end subroutine turn_axis
 
-   !> R(h/2) S(h) R(h/2); (a, b) the cyclic pair with the smallest |1/Ia - 1/Ib|, the first of equals.
+   !> R(h/2) S(h) R(h/2); (a, b) the cyclic pair with the smallest |1/Ia - 1/Ib|, the first of
+   !> equals.
    pure subroutine symmetric_rotation(inverse, h, y, q)
       real(qp), intent(in) :: inverse(3), h
       type(dual), intent(inout) :: y(3), q(4)
@@ -96,10 +100,11 @@ contains
    end subroutine symmetric_rotation
 
    ! Moser-Veselov and midpoint
-   ! ---------------------------------------------------------------------------------------------------------------
+   ! -----------------------------------------------------------------------------------------------
 
-   !> Y = alpha y + Y x e, e = (h/2) Y/It, by Newton's method from the fixed point; y' = y + (2/alpha) Y x e, q' = q o (1, e)/|(1, e)|;
-   !> alpha = 1 + |e|^2, or 1 for the midpoint rule. Vilmart (2013), Algorithm 3 and Remark 4.
+   !> Y = alpha y + Y x e, e = (h/2) Y/It, by Newton's method from the fixed point; y' = y +
+   !> (2/alpha) Y x e, q' = q o (1, e)/|(1, e)|; alpha = 1 + |e|^2, or 1 for the midpoint rule.
+   !> Vilmart (2013), Algorithm 3 and Remark 4.
    subroutine cayley_step(inverse, h, stretched, y, q, ok)
       type(dual), intent(in) :: inverse(3)
       real(qp), intent(in) :: h
@@ -146,7 +151,8 @@ contains
       x(3) = dot(a(:, 1), cross(a(:, 2), b))/d
    end function solve
 
-   !> 1/It to the degree n in h^2, from the series in t = h/2 with the constants p2, r2 (mathematics, section 3) in numbers.
+   !> 1/It to the degree n in h^2, from the series in t = h/2 with the constants p2, r2
+   !> (mathematics, section 3) in numbers.
    pure subroutine modified_inverses(moments, n, h, y, modified)
       real(dp), intent(in) :: moments(3)
       integer, intent(in) :: n                   !! 0: the moments themselves
@@ -198,7 +204,8 @@ contains
          if (i > 0) then
             f(i) = (-a(1)/(2*i))*(r*term(k, g, i - 1))
             g(i) = (-a(3)/(2*i))*(p*term(k, f, i - 1))
-            q0(i) = (-1.0_qp/(4*i))*(p*term(q1, f, i - 1) + r*term(q3, g, i - 1) + pr*term(q2, k, i - 2))
+            q0(i) = (-1.0_qp/(4*i))*(p*term(q1, f, i - 1) + r*term(q3, g, i - 1) + pr*term(q2, &
+               k, i - 2))
          end if
          k(i) = (a(2)/(2*i + 1))*term(f, g, i)
          q1(i) = (0.5_qp/(2*i + 1))*(term(q0, f, i) + r*(term(q2, g, i - 1) - term(q3, k, i - 1)))
@@ -206,7 +213,8 @@ contains
          q2(i) = (0.5_qp/(2*i + 2))*(term(q0, k, i) - term(q1, g, i) + term(q3, f, i))
       end do
       do i = 0, n
-         rho(i) = term(q0, q0, i) - p*term(q1, q1, i - 1) + pr*term(q2, q2, i - 2) - r*term(q3, q3, i - 1)
+         rho(i) = term(q0, q0, i) - p*term(q1, q1, i - 1) + pr*term(q2, q2, i - 2) - r*term(q3, &
+            q3, i - 1)
       end do
       do i = 0, n
          top(i) = term(q0, q1, i) - r*term(q2, q3, i - 1)
@@ -252,7 +260,7 @@ contains
    end function rising
 
    ! The flow
-   ! ---------------------------------------------------------------------------------------------------------------
+   ! -----------------------------------------------------------------------------------------------
 
    !> The exact motion by Taylor series of y and q in pieces.
    pure subroutine flow(inverse, h, y, q)
@@ -271,12 +279,17 @@ contains
             w(k, :) = piece*(inverse*cy(k, :))
             do j = 1, 3
                l = 1 + mod(j, 3)
-               cy(k + 1, j) = (piece*(inverse(6 - j - l) - inverse(l))/(k + 1))*term(cy(:, l), cy(:, 6 - j - l), k)
+               cy(k + 1, j) = (piece*(inverse(6 - j - l) - inverse(l))/(k + 1))*term(cy(:, l), &
+                  cy(:, 6 - j - l), k)
             end do
-            cq(k + 1, 1) = -(term(cq(:, 2), w(:, 1), k) + term(cq(:, 3), w(:, 2), k) + term(cq(:, 4), w(:, 3), k))
-            cq(k + 1, 2) = term(cq(:, 1), w(:, 1), k) + term(cq(:, 3), w(:, 3), k) - term(cq(:, 4), w(:, 2), k)
-            cq(k + 1, 3) = term(cq(:, 1), w(:, 2), k) + term(cq(:, 4), w(:, 1), k) - term(cq(:, 2), w(:, 3), k)
-            cq(k + 1, 4) = term(cq(:, 1), w(:, 3), k) + term(cq(:, 2), w(:, 2), k) - term(cq(:, 3), w(:, 1), k)
+            cq(k + 1, 1) = -(term(cq(:, 2), w(:, 1), k) + term(cq(:, 3), w(:, 2), k) &
+               + term(cq(:, 4), w(:, 3), k))
+            cq(k + 1, 2) = term(cq(:, 1), w(:, 1), k) + term(cq(:, 3), w(:, 3), k) - term(cq(:, &
+               4), w(:, 2), k)
+            cq(k + 1, 3) = term(cq(:, 1), w(:, 2), k) + term(cq(:, 4), w(:, 1), k) - term(cq(:, &
+               2), w(:, 3), k)
+            cq(k + 1, 4) = term(cq(:, 1), w(:, 3), k) + term(cq(:, 2), w(:, 2), k) - term(cq(:, &
+               3), w(:, 1), k)
             cq(k + 1, :) = (0.5_qp/(k + 1))*cq(k + 1, :)
          end do
          y = cy(taylor_order, :)
@@ -289,7 +302,7 @@ contains
    end subroutine flow
 
    ! Algebra
-   ! ---------------------------------------------------------------------------------------------------------------
+   ! -----------------------------------------------------------------------------------------------
 
    !> Product of quaternions.
    pure function dual_product(a, b) result(c)
