@@ -21,7 +21,8 @@ module test_free_tools
    !> The approximate methods first, three-rotations and symmetric-rotation before all.
    character(20), parameter :: method_names(18) = [character(20) :: "three-rotations", &
       "symmetric-rotation", &
-      "midpoint", "rattle", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", &
+      "midpoint", "rattle", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", &
+         "dmv18", &
       "dmv20", "dmv22", &
       "dmv24", "exact", "jacobi"]
    integer, parameter :: method_orders(18) = [2, 2, 2, 2, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, &
@@ -50,7 +51,8 @@ contains
       integer, intent(out) :: status             !! of the body, or of the refusing call
       integer, intent(in), optional :: lane
       logical, intent(in), optional :: compensate
-      logical, intent(in), optional :: physical  !! .false.: moments that break the triangle inequality
+      !> .false.: moments that break the triangle inequality
+      logical, intent(in), optional :: physical
       type(free_method) :: method
       type(body_class) :: class
       type(poinsot_error) :: error

@@ -7,6 +7,7 @@ program check_poinsot
    use poinsot_core_kinds, only: dp, i8
    use test_body, only: collect_body
    use test_core, only: collect_core
+   use test_drift, only: collect_drift, collect_drift_deep
    use test_effect, only: collect_effect
    use test_elliptic, only: collect_elliptic
    use test_ensemble, only: collect_ensemble
@@ -30,6 +31,7 @@ program check_poinsot
       new_testsuite("oracle", collect_oracle), &
       new_testsuite("free", collect_free), &
       new_testsuite("rattle", collect_rattle), &
+      new_testsuite("drift", collect_drift), &
       new_testsuite("effect", collect_effect), &
       new_testsuite("splitting", collect_splitting), &
       new_testsuite("ensemble", collect_ensemble), &
@@ -73,7 +75,7 @@ contains
    !> Suites that take long: `make check-deep`.
    function deep_suites() result(list)
       type(testsuite_type), allocatable :: list(:)
-      allocate (list(0))
+      list = [new_testsuite("long-drift", collect_drift_deep)]
    end function deep_suites
 
    !> All tests of a suite, one after the other: some of them change thread counts.

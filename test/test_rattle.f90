@@ -1,5 +1,5 @@
-!> RATTLE in the matrices (P, Q): equation (11) line by line, the change of variables, agreement with
-!> dmv2 in the Strang splitting, symplecticity with a potential.
+!> RATTLE in the matrices (P, Q): equation (11) line by line, the change of variables, agreement
+!> with dmv2 in the Strang splitting, symplecticity with a potential.
 module test_rattle
    use testdrive, only: new_unittest, unittest_type, error_type, check
    use poinsot_core_kinds, only: dp, qp, lanes
@@ -158,13 +158,15 @@ contains
                gap(5) = max(gap(5), maxval(abs(x + transpose(x))))
             end if
          end do
-         call check(error, all(gap < 2.0e-14_dp), "equation (11): "//text(gap(1))//" "//text(gap(2))//" "// &
+         call check(error, all(gap < 2.0e-14_dp), &
+            "equation (11): "//text(gap(1))//" "//text(gap(2))//" "// &
             text(gap(3))//" "//text(gap(4))//" "//text(gap(5)))
          if (allocated(error)) return
       end do
    end subroutine test_equation
 
-   !> 30 steps (beyond, the motion itself is chaotic): half kick, dmv2, half kick on (y, q) against RATTLE on (P, Q).
+   !> 30 steps (beyond, the motion itself is chaotic): half kick, dmv2, half kick on (y, q) against
+   !> RATTLE on (P, Q).
    subroutine test_strang(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: h = 0.05_dp

@@ -1,15 +1,15 @@
 !> How increments become the next state: plainly, or with compensated sums.
 !>
-!> Compensated, the carry holds what rounding took from y and q. Two corrections then remove what is
-!> left of the drift (mathematics, section 3): the change of energy that the increment itself
-!> implies, and the norm of q. Both are computed from increments and from the present state, never
-!> from stored invariants. Vilmart (2008), section 3.
+!> Compensated, the carry holds what rounding took from y and q. Three corrections then remove what
+!> is left of the drift (mathematics, section 3): the changes of |y| and of energy that the
+!> increment itself implies, and the norm of q. All are computed from increments and from the
+!> present state, never from stored invariants. Vilmart (2008), section 3.
 module poinsot_free_accumulate
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
-   public :: add_plain, add_compensated, add_kick, add_kick_compensated, conserve_energy
+   public :: add_plain, add_compensated, add_kick, add_kick_compensated, conserve
 
 contains
 
@@ -77,35 +77,43 @@ contains
    pure subroutine two_sum(x, carry, d)
       real(dp), intent(inout) :: x, carry
       real(dp), intent(in) :: d
-      real(dp) :: add, sum, part
-      add = d + carry
-      sum = x + add
+      real(dp) :: sum, part, rest
+      sum = x + d
       part = sum - x
-      carry = (x - (sum - part)) + (add - part)
-      x = sum
+      rest = carry + ((x - (sum - part)) + (d - part))
+      x = sum + rest
+      carry = rest - (x - sum)
    end subroutine two_sum
 
-   !> Take from dy the change of energy it implies, dE = sum dy (omega + d omega / 2), along G, the
-   !> part of the new omega normal to the new y, so that |y| is not touched. Skipped where G is
-   !> small: nothing can be gained there.
-   pure subroutine conserve_energy(class, h, y, dy)
+   !> Take from the sums the changes of |y| and of energy that the increment implies and that the
+   !> motion does not have: dC = sum dy m, along the new y, m = y + carry + dy/2; then dE = sum dy
+   !> m/I, along G, the part of the new omega normal to the new y, so that |y| is not touched again.
+   !> The second only for a method that conserves energy, and not where G is small: nothing can be
+   !> gained there. Both go into the carry: in dy they would be rounded again. dE is taken about the
+   !> middle axis, dE - dC/I2: one term less that rounds.
+   pure subroutine conserve(class, energy, h, y, dy, carry)
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: h(lanes), y(lanes, 3)
-      real(dp), intent(inout) :: dy(lanes, 3)
-      real(dp) :: i1, i2, i3, w1, w2, w3, y1, y2, y3, e, yy, yw, ww, gg, f, scale, biggest, alive
-      integer :: l
+      logical, intent(in) :: energy          !! does the method conserve energy?
+      real(dp), intent(in) :: h(lanes), y(lanes, 3), dy(lanes, 3)
+      real(dp), intent(inout) :: carry(lanes, 7)
+      real(dp) :: i1, i2, i3, d13, d23, w1, w2, w3, y1, y2, y3, d1, d2, d3, m1, m2, m3, r1, r2, r3
+      real(dp) :: e, c, yy, yw, ww, gg, f, scale, biggest, alive, wanted
+      integer :: l, j1, j2, j3
       real(dp), parameter :: small = 1e-4_dp
-      i1 = class%inverse(1)
-      i2 = class%inverse(2)
-      i3 = class%inverse(3)
+      j1 = class%order(1)
+      j3 = class%order(2)
+      j2 = class%order(3)
+      i1 = class%inverse(j1)
+      i2 = class%inverse(j2)
+      i3 = class%inverse(j3)
+      d13 = i1 - i3
+      d23 = i2 - i3
+      wanted = merge(1.0_dp, 0.0_dp, energy)
       !GCC$ ivdep
       do l = 1, lanes
-         e = h(l)*(dy(l, 1)*i1*(y(l, 1) + 0.5_dp*dy(l, 1)) + dy(l, 2)*i2*(y(l, 2) + 0.5_dp*dy(l, &
-            2)) &
-                   + dy(l, 3)*i3*(y(l, 3) + 0.5_dp*dy(l, 3)))
-         y1 = y(l, 1) + dy(l, 1)
-         y2 = y(l, 2) + dy(l, 2)
-         y3 = y(l, 3) + dy(l, 3)
+         y1 = y(l, j1) + dy(l, j1)
+         y2 = y(l, j2) + dy(l, j2)
+         y3 = y(l, j3) + dy(l, j3)
          biggest = abs(y1) + abs(y2) + abs(y3)
          alive = merge(1.0_dp, 0.0_dp, biggest > tiny(1.0_dp))
          scale = alive/(biggest + (1 - alive))
@@ -115,19 +123,33 @@ contains
          y1 = y1*scale
          y2 = y2*scale
          y3 = y3*scale
+         d1 = dy(l, j1)*scale
+         d2 = dy(l, j2)*scale
+         d3 = dy(l, j3)*scale
          yy = y1*y1 + y2*y2 + y3*y3 + (1 - alive)
+         m1 = y(l, j1) + 0.5_dp*dy(l, j1)
+         m2 = y(l, j2) + 0.5_dp*dy(l, j2)
+         m3 = y(l, j3) + 0.5_dp*dy(l, j3)
+         r1 = carry(l, j1) + (0.5_dp*dy(l, j1) - (m1 - y(l, j1)))
+         r2 = carry(l, j2) + (0.5_dp*dy(l, j2) - (m2 - y(l, j2)))
+         r3 = carry(l, j3) + (0.5_dp*dy(l, j3) - (m3 - y(l, j3)))
+         c = scale*((d1*m1 + d2*m2 + d3*m3) + (d1*r1 + d2*r2 + d3*r3))
+         e = h(l)*((d1*m1*d13 + d2*m2*d23) + (d1*r1*d13 + d2*r2*d23))
          yw = (y1*w1 + y2*w2 + y3*w3)/yy
+         c = c/yy
+         f = (y1*y1*d13 + y2*y2*d23)
+         e = e - c*(h(l)*(f*biggest))
          ww = w1*w1 + w2*w2 + w3*w3
          w1 = w1 - yw*y1
          w2 = w2 - yw*y2
          w3 = w3 - yw*y3
          gg = w1*w1 + w2*w2 + w3*w3
          alive = merge(1.0_dp, 0.0_dp, gg > small*ww)
-         f = alive*e/(gg + (1 - alive))
-         dy(l, 1) = dy(l, 1) - f*w1
-         dy(l, 2) = dy(l, 2) - f*w2
-         dy(l, 3) = dy(l, 3) - f*w3
+         f = wanted*alive*e/(gg + (1 - alive))
+         carry(l, j1) = carry(l, j1) - biggest*(c*y1 + f*w1)
+         carry(l, j2) = carry(l, j2) - biggest*(c*y2 + f*w2)
+         carry(l, j3) = carry(l, j3) - biggest*(c*y3 + f*w3)
       end do
-   end subroutine conserve_energy
+   end subroutine conserve
 
 end module poinsot_free_accumulate

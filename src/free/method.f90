@@ -7,7 +7,7 @@ module poinsot_free_method
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
    use poinsot_body_class, only: body_class
-   use poinsot_free_accumulate, only: add_plain, add_compensated, conserve_energy
+   use poinsot_free_accumulate, only: add_plain, add_compensated, conserve
    use poinsot_free_exact, only: exact_increment
    use poinsot_free_jacobi_solution, only: jacobi_increment
    use poinsot_free_moser_veselov, only: moser_veselov_increment, midpoint_increment
@@ -18,14 +18,16 @@ module poinsot_free_method
    public :: free_method, find_method, method_names, method_count, method_name, advance
 
    abstract interface
-      !> A kernel: the increments of y and q of a block over h. A lane with h = 0 gets zeros; a lane that fails gets a
-      !> status. Written so that a lane's bits depend on that lane alone.
+      !> A kernel: the increments of y and q of a block over h. A lane with h = 0 gets zeros; a lane
+      !> that fails gets a status. Written so that a lane's bits depend on that lane alone.
       pure subroutine increment_kernel(class, terms, h, y, q, dy, dq, status)
          import :: dp, lanes, body_class
          type(body_class), intent(in) :: class      !! constants of the body class
-         integer, intent(in) :: terms               !! terms of the preprocessing series, where there is one
+         !> terms of the preprocessing series, where there is one
+         integer, intent(in) :: terms
          real(dp), intent(in) :: h(lanes)           !! step of each lane, either sign
-         real(dp), intent(in) :: y(lanes, 3)        !! angular momentum, principal frame, caller's axes
+         !> angular momentum, principal frame, caller's axes
+         real(dp), intent(in) :: y(lanes, 3)
          real(dp), intent(in) :: q(lanes, 4)        !! attitude, unit quaternion, scalar first
          real(dp), intent(out) :: dy(lanes, 3)      !! y(h) - y
          real(dp), intent(out) :: dq(lanes, 4)      !! q(h) - q
@@ -49,7 +51,8 @@ module poinsot_free_method
 
    !> Names in the order in which people see them; `registered` says what each is.
    character(name_length), parameter :: method_names(18) = [character(name_length) :: &
-      "exact", "jacobi", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", "dmv20", &
+      "exact", "jacobi", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", &
+         "dmv18", "dmv20", &
       "dmv22", "dmv24", "midpoint", "three-rotations", "symmetric-rotation", "rattle"]
    integer, parameter :: registered_count = size(method_names)
 
@@ -61,8 +64,10 @@ contains
       integer :: n
       methods(1) = free_method("", 0, 0, .true., exact_increment, &
                                "explicit exact step; substeps and Jacobi's functions by itself")
-      methods(2) = free_method("", 0, 0, .true., jacobi_increment, "Jacobi's elliptic functions, any step")
-      methods(3) = free_method("", 2, 0, .true., moser_veselov_increment, "discrete Moser-Veselov map, plain")
+      methods(2) = free_method("", 0, 0, .true., jacobi_increment, "Jacobi's elliptic functions, &
+         any step")
+      methods(3) = free_method("", 2, 0, .true., moser_veselov_increment, &
+         "discrete Moser-Veselov map, plain")
       do n = 1, 11
          methods(3 + n) = free_method("", 2*n + 2, n, .true., moser_veselov_increment, &
                                       "discrete Moser-Veselov map, preprocessed")
@@ -72,7 +77,8 @@ contains
                                 "splitting into rotations about the axes, 3-2-1-2-3")
       methods(17) = free_method("", 2, 0, .false., symmetric_rotation_increment, &
                                 "splitting into a symmetric body and a rotation")
-      methods(18) = free_method("", 2, 0, .true., rattle_increment, "RATTLE in the matrices (P, Q); the map of dmv2")
+      methods(18) = free_method("", 2, 0, .true., rattle_increment, "RATTLE in the matrices (P, &
+         Q); the map of dmv2")
       methods%name = method_names
    end function registered
 
@@ -109,8 +115,8 @@ contains
       call raise(error, poinsot_e_method, "unknown method '"//trim(name)//"'; there are:"//list)
    end subroutine find_method
 
-   !> One step h, either sign, of all lanes of a block. A lane whose status is not POINSOT_OK stands still; a lane that
-   !> fails here gets its status and keeps its state.
+   !> One step h, either sign, of all lanes of a block. A lane whose status is not POINSOT_OK stands
+   !> still; a lane that fails here gets its status and keeps its state.
    pure subroutine advance(method, class, h, y, q, status, carry)
       type(free_method), intent(in) :: method
       type(body_class), intent(in) :: class
@@ -135,14 +141,15 @@ contains
          end do
       end if
       if (present(carry)) then
-         if (method%conserves_energy) call conserve_energy(class, hl, y, dy)
+         call conserve(class, method%conserves_energy, hl, y, dy, carry)
          call add_compensated(hl, dy, dq, y, q, carry)
       else
          call add_plain(hl, dy, dq, y, q)
       end if
    end subroutine advance
 
-   !> A step so long that its rotation would overflow: POINSOT_E_STEP. Exponents are compared, nothing is multiplied.
+   !> A step so long that its rotation would overflow: POINSOT_E_STEP. Exponents are compared,
+   !> nothing is multiplied.
    pure subroutine refuse_far(class, h, y, hl, status)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h, y(lanes, 3)

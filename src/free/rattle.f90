@@ -1,18 +1,21 @@
-!> RATTLE for the rigid body in the matrices (P, Q): equation (11) of Vilmart (2013); McLachlan and Scovel, J. Nonlinear
-!> Sci. 5, 233 (1995); Reich, Physica D 76, 375 (1994).
+!> RATTLE for the rigid body in the matrices (P, Q): equation (11) of Vilmart (2013); McLachlan and
+!> Scovel, J. Nonlinear Sci. 5, 233 (1995); Reich, Physica D 76, 375 (1994).
 !>
-!> With Q1 = Q0 W the first two lines of (11) say W D - D W^T = h y^, y^ = Q^T P - P^T Q after the first kick: the six
-!> multipliers are eliminated, they are the symmetric part of what is left. This Moser-Veselov equation is solved as McLachlan
-!> and Zanna (Found. Comput. Math. 5, 87, 2005) and Lewis and Simo (Fields Inst. Commun. 10, 121, 1996) do: W is the Cayley
-!> transform of a vector e, and Newton's method finds e.
+!> With Q1 = Q0 W the first two lines of (11) say W D - D W^T = h y^, y^ = Q^T P - P^T Q after the
+!> first kick: the six multipliers are eliminated, they are the symmetric part of what is left. This
+!> Moser-Veselov equation is solved as McLachlan and Zanna (Found. Comput. Math. 5, 87, 2005) and
+!> Lewis and Simo (Fields Inst. Commun. 10, 121, 1996) do: W is the Cayley transform of a vector e,
+!> and Newton's method finds e.
 !>
-!> (11) as printed divides by D. Nothing here does: only W D, D W^T and P = Q omega^ D are formed, and the column of Q1
-!> that a zero d_k leaves open follows from Q1^T Q1 = 1. So a flat body (one d_k = 0) needs nothing special; of a linear body
-!> (two) the angle about its own axis is left open, and W is taken without a turn about it. The condition P is tested
-!> by, Q^T P D^-1 skew, reads Q^T P = omega^ D. For a flat body P has a zero column and does not determine Q.
+!> (11) as printed divides by D. Nothing here does: only W D, D W^T and P = Q omega^ D are formed,
+!> and the column of Q1 that a zero d_k leaves open follows from Q1^T Q1 = 1. So a flat body (one
+!> d_k = 0) needs nothing special; of a linear body (two) the angle about its own axis is left open,
+!> and W is taken without a turn about it. The condition P is tested by, Q^T P D^-1 skew, reads Q^T
+!> P = omega^ D. For a flat body P has a zero column and does not determine Q.
 !>
-!> The torque comes from the caller at both ends: no effect is known here. Q1^T Q1 = 1 is restored each step, first order in
-!> its defect: y goes through Q^T P twice a step, and a defect that stays would make |y| drift linearly.
+!> The torque comes from the caller at both ends: no effect is known here. Q1^T Q1 = 1 is restored
+!> each step, first order in its defect: y goes through Q^T P twice a step, and a defect that stays
+!> would make |y| drift linearly.
 module poinsot_free_rattle
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_lanes, only: largest, smallest
@@ -27,13 +30,14 @@ module poinsot_free_rattle
 
    real(dp), parameter :: quarter_turn = 1.5707963267948966_dp
 
-   !> Newton sweeps that reach rounding, from e = z: 2 up to the first of these (h |omega|)^2, 3 up to the second, ...
+   !> Newton sweeps that reach rounding, from e = z: 2 up to the first of these (h |omega|)^2, 3 up
+   !> to the second, ...
    real(dp), parameter :: sweep_bound(3) = [0.002_dp**2, 0.1_dp**2, 0.8_dp**2]
 
 contains
 
-   !> The diagonal of D in the caller's axes: d_k = (I_i + I_j - I_k)/2, equation (2). From differences, so that thin bodies
-   !> keep their digits.
+   !> The diagonal of D in the caller's axes: d_k = (I_i + I_j - I_k)/2, equation (2). From
+   !> differences, so that thin bodies keep their digits.
    pure function second_moments(class) result(d)
       type(body_class), intent(in) :: class
       real(dp) :: d(3) !! integrals of x_k^2 over the body; 0 in the short direction of a flat one
@@ -45,12 +49,14 @@ contains
    end function second_moments
 
    ! Change of variables
-   ! ---------------------------------------------------------------------------------------------------------------
+   ! -----------------------------------------------------------------------------------------------
 
-   !> (y, q) -> (P, Q): Q the matrix of q, P = Q (y/I)^ D. Symplectic: trace(P^T dQ) = y . xi for dQ = Q xi^.
+   !> (y, q) -> (P, Q): Q the matrix of q, P = Q (y/I)^ D. Symplectic: trace(P^T dQ) = y . xi for dQ
+   !> = Q xi^.
    pure subroutine to_matrices(class, y, q, p, matrix)
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)     !! angular momentum (body frame), attitude
+      !> angular momentum (body frame), attitude
+      real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: p(lanes, 3, 3)              !! conjugate momenta
       real(dp), intent(out) :: matrix(lanes, 3, 3)         !! orthogonal, body to space
       real(dp) :: one(4)
@@ -114,17 +120,19 @@ contains
    end subroutine momenta
 
    ! Equation (11)
-   ! ---------------------------------------------------------------------------------------------------------------
+   ! -----------------------------------------------------------------------------------------------
 
-   !> First and second line of (11), the torque given: (P0, Q0) -> (P_1/2, Q1). A lane that is not POINSOT_OK stands still.
-   !> POINSOT_E_STEP for h |omega| > pi/2 after the kick, POINSOT_E_CONVERGENCE without a root below 90 degrees a step.
+   !> First and second line of (11), the torque given: (P0, Q0) -> (P_1/2, Q1). A lane that is not
+   !> POINSOT_OK stands still. POINSOT_E_STEP for h |omega| > pi/2 after the kick,
+   !> POINSOT_E_CONVERGENCE without a root below 90 degrees a step.
    pure subroutine rattle_start(class, h, torque, p, matrix, status)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h                            !! step, either sign
       real(dp), intent(in) :: torque(lanes, 3)             !! body torque -rot(Q^T grad U) at Q0
       real(dp), intent(inout) :: p(lanes, 3, 3), matrix(lanes, 3, 3)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: y(lanes, 3), hl(lanes), even(lanes, 3, 3), axial(lanes, 3), v(lanes, 3, 3), d(3), moved(lanes)
+      real(dp) :: y(lanes, 3), hl(lanes), even(lanes, 3, 3), axial(lanes, 3), v(lanes, 3, 3), &
+         d(3), moved(lanes)
       integer :: row, j
 
       if (.not. abs(h) > 0) return
@@ -166,7 +174,8 @@ contains
       do i = 1, 3
          old = matrix(:, i, :)
          do j = 1, 3
-            matrix(:, i, j) = old(:, j) - (old(:, 1)*excess(:, 1, j) + old(:, 2)*excess(:, 2, j) + old(:, 3)*excess(:, 3, j))
+            matrix(:, i, j) = old(:, j) - (old(:, 1)*excess(:, 1, j) + old(:, 2)*excess(:, 2, &
+               j) + old(:, 3)*excess(:, 3, j))
          end do
       end do
    end subroutine make_orthogonal
@@ -191,8 +200,9 @@ contains
       end do
    end subroutine rattle_finish
 
-   !> Increments of a free step on (y, q): the method `rattle` of the registry. The same map as `dmv2`, by matrices:
-   !> dy^ = (D (W + W^T) - (W + W^T) D)/h, dq from W - W^T. Order 2. Status as in rattle_start.
+   !> Increments of a free step on (y, q): the method `rattle` of the registry. The same map as
+   !> `dmv2`, by matrices: dy^ = (D (W + W^T) - (W + W^T) D)/h, dq from W - W^T. Order 2. Status as
+   !> in rattle_start.
    pure subroutine rattle_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                         !! not used
@@ -213,7 +223,8 @@ contains
       call quaternion_change(even, axial, q, dq)
    end subroutine rattle_increment
 
-   !> q o (rho - 1), rho the quaternion of W: 4 rho0^2 = 1 + trace W, 2 rho0 rho = axial. The turn is below 90 degrees.
+   !> q o (rho - 1), rho the quaternion of W: 4 rho0^2 = 1 + trace W, 2 rho0 rho = axial. The turn
+   !> is below 90 degrees.
    pure subroutine quaternion_change(even, axial, q, dq)
       real(dp), intent(in) :: even(lanes, 3, 3), axial(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dq(lanes, 4)
@@ -234,9 +245,10 @@ contains
    end subroutine quaternion_change
 
    ! The Moser-Veselov equation
-   ! ---------------------------------------------------------------------------------------------------------------
+   ! -----------------------------------------------------------------------------------------------
 
-   !> The orthogonal W with W D - D W^T = h y^, as W = 1 + even + axial^, even symmetric. 1 + even + axial^ = 1 in a lane with h = 0.
+   !> The orthogonal W with W D - D W^T = h y^, as W = 1 + even + axial^, even symmetric. 1 + even +
+   !> axial^ = 1 in a lane with h = 0.
    pure subroutine turn_of_step(class, h, y, even, axial, status)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
@@ -256,7 +268,8 @@ contains
       z(:, class%order) = class%parity*z
       call skew_ratios(class, ratio)
       call solve(ratio, p, z, e, found)
-      if (smallest(found) < 1) where (found < 1 .and. status == poinsot_ok) status = poinsot_e_convergence
+      if (smallest(found) < 1) where (found < 1 &
+         .and. status == poinsot_ok) status = poinsot_e_convergence
       ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
       do j = 1, 3
          axial(:, j) = 2*e(:, j)/(1 + ee)
@@ -297,8 +310,9 @@ contains
       end do
    end subroutine add_skew
 
-   !> The Cayley vector: e_i + ratio_i e_j e_k = (1 + |e|^2) z_i, the axial part of the equation times (1 + |e|^2)/4, by Newton's
-   !> method with a number of sweeps fixed beforehand. `found` = 0 where the last sweep still moved, or |e| >= 1.
+   !> The Cayley vector: e_i + ratio_i e_j e_k = (1 + |e|^2) z_i, the axial part of the equation
+   !> times (1 + |e|^2)/4, by Newton's method with a number of sweeps fixed beforehand. `found` = 0
+   !> where the last sweep still moved, or |e| >= 1.
    pure subroutine solve(ratio, size, z, e, found)
       real(dp), intent(in) :: ratio(3), size(lanes), z(lanes, 3)
       real(dp), intent(out) :: e(lanes, 3), found(lanes)
