@@ -172,14 +172,17 @@ contains
       character(31) :: text
       character(:), allocatable :: name
       character(15) :: left
+      character(16) :: value
       name = trim(key%name)
       if (key%most < 0) name = name // "(:)"
       if (key%most > 1) name = name // "(" // text_of(key%most) // ")"
       left = name
-      text = left // merge(key%default, "-" // repeat(" ", len(key%default) - 1), key%default /= "")
+      value = "-"
+      if (key%default /= "") value = key%default(1:len(value))
       if (key%is_text .and. key%default /= "" .and. key%default /= "required") then
-         text = left // "'" // trim(key%default) // "'"
+         value = "'" // trim(value(1:len(value) - 2)) // "'"
       end if
+      text = left // value
    end function key_head
 
    !> poinsot scenes [NAME]

@@ -479,11 +479,15 @@ contains
       end do
       call measure(tasks, merge(5, 21, quick), seconds)
       call record(tasks)
-      print "(/, a, i0, a, i0, a)", "5. ns per body-step, wall time, median (minimum): ", n, " bodies, ", &
+      print "(/, a, i0, a, i0, a)", "5. ns per body-step, wall time, median (minimum): ", n, &
+         " bodies, ", &
          steps, &
          " steps per call, h|omega| <= 0.1"
-      print "(a)", "   (on a busy machine the last column says more: twice the processor time of one over that of two)"
-      print "(/, 28x, '|', 5a)", "       one thread   ", "      two threads   ", "   wall: medians", &
+      print "(a)", &
+         "   (on a busy machine the last column says more: twice the processor time of one "// &
+         "over that of two)"
+      print "(/, 28x, '|', 5a)", "       one thread   ", "      two threads   ", &
+         "   wall: medians", &
          "   minima", "   processor time"
       do i = 1, count_of
          associate (one => tasks(2*i - 1), two => tasks(2*i))
@@ -510,7 +514,8 @@ contains
       call line("exact, ns, h|omega| <= 0.1", exact(1), "<= 4")
       call line("exact, ns, h|omega| <= 0.5", exact(3), "<= 5")
       call line("exact, ns, one step per call, rows", from_memory(1), "<= 6")
-      call line("exact, ns, one step per call, slowest host layout", maxval(from_memory(3:)), "<= 8")
+      call line("exact, ns, one step per call, slowest host layout", maxval(from_memory(3:)), &
+         "<= 8")
       call line("exact, two threads, wall time", thread_gain(1), ">= 1.9")
       call line("   the most it could be, by processor time", thread_gain(2), "-")
       worst = maxloc(fast(3:10, 2), 1) + 2

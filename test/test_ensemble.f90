@@ -209,11 +209,11 @@ contains
       type(body_view) :: view
       type(poinsot_error) :: problem
       real(dp), target :: y(3, 1), q(4, 1), kinetic(1), potential(1)
-      integer, target :: class(1)
+      integer, target :: classes(1)
       real(dp) :: l(3), tensor(3, 3), omega(3), before(3, 3), rate(3, 3)
       real(dp), parameter :: h = 1e-5_dp
       integer :: status
-      class = 9
+      classes = 9
       call ready_with("body-momentum", plan)
       tensor = turned_tensor()
       omega = [0.3_dp, -0.7_dp, 0.5_dp]
@@ -221,7 +221,7 @@ contains
       q(:, 1) = [0.5_dp, 0.5_dp, -0.5_dp, 0.5_dp]
       l = rotate(q(:, 1), y(:, 1))
       call view_rows(y, q, view)
-      view%body_class => class
+      view%body_class => classes
       call body_energies(plan, view, 0.0_dp, kinetic, potential, status, problem)
       call check(error, kinetic(1), 0.5_dp*dot_product(omega, y(:, 1)), "T = omega.J omega/2", &
          thr=tight)
@@ -350,8 +350,8 @@ contains
       type(poinsot_error) :: problem
       real(dp), target :: y(3, 3), q(4, 3)
       integer :: k, m, axis, status, number
-      integer, target :: class(3)
-      class = [1, 2, 3]
+      integer, target :: classes(3)
+      classes = [1, 2, 3]
       do m = 1, method_count()
          plan = poinsot_plan()
          do axis = 1, 3
@@ -362,7 +362,7 @@ contains
          call make_ready(plan, problem)
          q = 0.5_dp
          call view_rows(y, q, view)
-         view%body_class => class
+         view%body_class => classes
          do k = 1, 20
             call drift_bodies(plan, view, 0.1_dp, status, problem)
             call check(error, status, poinsot_ok, method_name(m)//": a linear body failed")

@@ -300,7 +300,8 @@ contains
                call check(error, status == poinsot_e_step .or. status == poinsot_e_convergence, &
                   trim(method_names(i))//" fails with another status")
                if (allocated(error)) return
-               call check(error, turn > merge(0.9_dp, 1.3_dp, any(method_names(i) == ["dmv2  ", "rattle"])), &
+               call check(error, turn > merge(0.9_dp, 1.3_dp, any(method_names(i) == ["dmv2  ", &
+                  "rattle"])), &
                   trim(method_names(i))//" refuses h|omega| = "//text(turn))
             end if
             if (allocated(error)) return

@@ -1,14 +1,17 @@
-!> From the caller's arrays into a block and back: `lanes` bodies of one class, checked, in native variables.
+!> From the caller's arrays into a block and back: `lanes` bodies of one class, checked, in native
+!> variables.
 !>
-!> A lane that is refused (not finite, not a unit quaternion, momentum about an axis without inertia) gets a status and stands
-!> in the block at rest, so that it can do no harm; it is never written back.
+!> A lane that is refused (not finite, not a unit quaternion, momentum about an axis without
+!> inertia) gets a status and stands in the block at rest, so that it can do no harm; it is never
+!> written back.
 module poinsot_ensemble_block
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_lanes, only: any_failed, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, turned, to_native, from_native
+   use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, turned, to_native, &
+      from_native
    use poinsot_ensemble_transfer, only: arrays, look_at, copy_in, copy_out
    implicit none(type, external)
    private
@@ -25,7 +28,8 @@ module poinsot_ensemble_block
       integer :: n                        !! bodies in it; the other lanes are padding at rest
       integer :: class                    !! their class
       logical :: compensated              !! the caller keeps a carry
-      logical :: adding = .false.         !! `add` goes to the caller's momentum as it stands, and y is not looked at
+      logical :: adding = .false.         !! `add` goes to the caller's momentum as it stands, and y
+                                          !! is not looked at
       real(dp) :: add(lanes, 3)           !! in the caller's variable and frame
    contains
       procedure :: refuse_values
@@ -118,8 +122,8 @@ contains
       end do
    end subroutine rest
 
-   !> Put lanes at rest whose numbers are not finite or whose quaternion is not of unit norm. Bit tests first: a
-   !> comparison with a NaN would raise an exception in hosts that trap.
+   !> Put lanes at rest whose numbers are not finite or whose quaternion is not of unit norm. Bit
+   !> tests first: a comparison with a NaN would raise an exception in hosts that trap.
    pure subroutine refuse(columns, p, q, status)
       integer, intent(in) :: columns
       real(dp), intent(inout) :: p(lanes, columns), q(lanes, 4)
@@ -129,7 +133,8 @@ contains
       integer :: l, j
       !GCC$ ivdep
       do l = 1, lanes
-         worst(l) = max(magnitude(p(l, 1)), magnitude(p(l, 2)), magnitude(p(l, 3)), magnitude(q(l, 1)), &
+         worst(l) = max(magnitude(p(l, 1)), magnitude(p(l, 2)), magnitude(p(l, 3)), &
+            magnitude(q(l, 1)), &
                         magnitude(q(l, 2)), magnitude(q(l, 3)), magnitude(q(l, 4)))
       end do
       do j = 4, columns
@@ -169,7 +174,8 @@ contains
       scaled = max(-2.0_dp, min(2.0_dp, x))
    end function scaled
 
-   !> An angular velocity whose square would overflow is refused, by a comparison that cannot overflow itself.
+   !> An angular velocity whose square would overflow is refused, by a comparison that cannot
+   !> overflow itself.
    pure subroutine refuse_speed(class, b)
       type(body_class), intent(in) :: class
       type(block_state), intent(inout) :: b
@@ -179,7 +185,8 @@ contains
       where (.not. class%moments > 0) limit = huge(limit)
       !GCC$ ivdep
       do l = 1, lanes
-         good(l) = merge(1.0_dp, 0.0_dp, abs(b%y(l, 1)) <= limit(1) .and. abs(b%y(l, 2)) <= limit(2) &
+         good(l) = merge(1.0_dp, 0.0_dp, abs(b%y(l, 1)) <= limit(1) .and. abs(b%y(l, 2)) &
+            <= limit(2) &
                          .and. abs(b%y(l, 3)) <= limit(3))
       end do
       if (smallest(good) >= 1) return
@@ -190,7 +197,8 @@ contains
       end do
    end subroutine refuse_speed
 
-   !> Numbers that come with the bodies, a torque for instance: a lane where they are not finite fails, and gets zeros.
+   !> Numbers that come with the bodies, a torque for instance: a lane where they are not finite
+   !> fails, and gets zeros.
    pure subroutine refuse_values(b, values)
       class(block_state), intent(inout) :: b
       real(dp), intent(inout) :: values(:, :)   !! (lanes, components)
@@ -221,8 +229,9 @@ contains
       end do
    end subroutine refuse_axis
 
-   !> Write back the bodies that did not fail, and every status. `keep_momentum`: a variable that free motion does not change
-   !> (space-frame momentum) is left as it is, to the bit; so is `keep_attitude` by a kick.
+   !> Write back the bodies that did not fail, and every status. `keep_momentum`: a variable that
+   !> free motion does not change (space-frame momentum) is left as it is, to the bit; so is
+   !> `keep_attitude` by a kick.
    subroutine store_block(host, class, axes, keep_momentum, keep_attitude, b)
       type(host_arrays), intent(inout) :: host
       type(body_class), intent(in) :: class
@@ -277,7 +286,8 @@ contains
       b%q(1:n, :) = b%q(from(1:n), :)
    end subroutine close_ranks
 
-   !> A kick in the caller's own variable: no turning there and back, no rounding but that of the sum.
+   !> A kick in the caller's own variable: no turning there and back, no rounding but that of the
+   !> sum.
    subroutine add_momentum(view, b)
       type(body_view), intent(in) :: view
       type(block_state), intent(in) :: b

@@ -1,6 +1,7 @@
 !> The caller's bodies, seen through pointers and strides: nothing is copied, nothing is owned.
 module poinsot_ensemble_bodies
-   use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_size_t, c_ptrdiff_t, c_double, c_int, c_int64_t, &
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_size_t, c_ptrdiff_t, c_double, &
+      c_int, c_int64_t, &
       c_associated, c_f_pointer, c_loc, c_sizeof
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -12,7 +13,8 @@ module poinsot_ensemble_bodies
 
    integer, parameter :: most_bodies = 268435455 !! in one call: places times 8 stay countable
 
-   !> What C sees as `poinsot_bodies` (include/poinsot.h): component pointers and strides in doubles.
+   !> What C sees as `poinsot_bodies` (include/poinsot.h): component pointers and strides in
+   !> doubles.
    type, bind(c) :: poinsot_bodies
       integer(c_size_t) :: size = 0            !! sizeof(poinsot_bodies) of the caller
       integer(c_size_t) :: n = 0               !! how many bodies
@@ -36,10 +38,12 @@ module poinsot_ensemble_bodies
    !> The same opened for Fortran.
    type :: body_view
       integer :: n = 0
-      type(column) :: y(4)                                     !! momentum variable; the fourth only for a conjugate one
+      type(column) :: y(4)                              !! momentum variable; the fourth only for a
+                                                        !! conjugate one
       type(column) :: q(4)                                     !! attitude
       integer(c_int), pointer :: body_class(:) => null()       !! from `first_class`
-      integer :: first_class = 0                               !! number of the first class: 0 in C, 1 in Fortran
+      integer :: first_class = 0                        !! number of the first class: 0 in C, 1 in
+                                                        !! Fortran
       integer(c_int64_t), pointer :: id(:) => null()
       real(dp), pointer :: carry(:, :) => null()               !! (7, n)
       integer(c_int), pointer :: status(:) => null()
@@ -78,7 +82,8 @@ contains
       end do
    end subroutine view_columns
 
-   !> Open a C view. POINSOT_E_NULL names a pointer that is missing, POINSOT_E_SIZE a size or stride that cannot be.
+   !> Open a C view. POINSOT_E_NULL names a pointer that is missing, POINSOT_E_SIZE a size or stride
+   !> that cannot be.
    subroutine open_view(bodies, view, error)
       type(poinsot_bodies), intent(in) :: bodies
       type(body_view), intent(out) :: view
@@ -93,25 +98,33 @@ contains
       if (raised(error)) return
       view%n = int(bodies%n)
       view%first_class = int(max(-1_c_ptrdiff_t, min(2_c_ptrdiff_t, bodies%first_class)))
-      if (view%first_class /= 0 .and. view%first_class /= 1) &
+      if (view%first_class /= 0 .and. view%first_class /= 1) then
          call raise(error, poinsot_e_size, "poinsot_bodies: first_class must be 0 or 1")
+      end if
       if (view%n == 0 .or. raised(error)) return
       do j = 1, 3
-         call open_column(bodies%y(j), bodies%n, bodies%y_stride, "poinsot_bodies: y", view%y(j), error)
+         call open_column(bodies%y(j), bodies%n, bodies%y_stride, "poinsot_bodies: y", view%y(j), &
+            error)
       end do
-      if (c_associated(bodies%y_fourth)) &
-         call open_column(bodies%y_fourth, bodies%n, bodies%y_stride, "poinsot_bodies: y", view%y(4), error)
+      if (c_associated(bodies%y_fourth)) then
+         call open_column(bodies%y_fourth, bodies%n, bodies%y_stride, "poinsot_bodies: y", &
+            view%y(4), error)
+      end if
       do j = 1, 4
-         call open_column(bodies%q(j), bodies%n, bodies%q_stride, "poinsot_bodies: q", view%q(j), error)
+         call open_column(bodies%q(j), bodies%n, bodies%q_stride, "poinsot_bodies: q", view%q(j), &
+            error)
       end do
-      if (c_associated(bodies%body_class)) call c_f_pointer(bodies%body_class, view%body_class, [bodies%n])
+      if (c_associated(bodies%body_class)) call c_f_pointer(bodies%body_class, view%body_class, &
+         [bodies%n])
       if (c_associated(bodies%id)) call c_f_pointer(bodies%id, view%id, [bodies%n])
-      if (c_associated(bodies%carry)) &
+      if (c_associated(bodies%carry)) then
          call c_f_pointer(bodies%carry, view%carry, [7_c_size_t, bodies%n])
+      end if
       if (c_associated(bodies%status)) call c_f_pointer(bodies%status, view%status, [bodies%n])
    end subroutine open_view
 
-   !> One component of n > 0 bodies. POINSOT_E_NULL without a pointer, POINSOT_E_SIZE for a stride that cannot be.
+   !> One component of n > 0 bodies. POINSOT_E_NULL without a pointer, POINSOT_E_SIZE for a stride
+   !> that cannot be.
    subroutine open_column(base, n, stride, what, into, error)
       type(c_ptr), intent(in) :: base
       integer(c_size_t), intent(in) :: n             !! 1 to most_bodies
@@ -124,7 +137,8 @@ contains
       if (.not. c_associated(base)) then
          call raise(error, poinsot_e_null, what//" has a component that is NULL")
       else if (n > 1 .and. (stride < 1 .or. stride > huge(0))) then
-         call raise(error, poinsot_e_size, what//" has a stride below 1 or beyond 2147483647 doubles")
+         call raise(error, poinsot_e_size, what &
+            //" has a stride below 1 or beyond 2147483647 doubles")
       else
          step = merge(stride, 1_c_ptrdiff_t, n > 1)
          call c_f_pointer(base, all, [1 + (n - 1)*step])

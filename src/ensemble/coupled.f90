@@ -1,9 +1,11 @@
-!> Steps of bodies that see each other: pair effects and the host's callback need all attitudes before a kick. All
-!> bodies then stand in blocks at once; each stage of the splitting goes over all of them.
+!> Steps of bodies that see each other: pair effects and the host's callback need all attitudes
+!> before a kick. All bodies then stand in blocks at once; each stage of the splitting goes over all
+!> of them.
 module poinsot_ensemble_coupled
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_memory, poinsot_e_method, poinsot_e_partial, &
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_memory, &
+      poinsot_e_method, poinsot_e_partial, &
       poinsot_e_size
    use poinsot_effect_effect, only: pair_effect
    use poinsot_ensemble_block, only: block_state, host_arrays, open_host, load_block, store_block
@@ -20,6 +22,8 @@ module poinsot_ensemble_coupled
    private
    public :: torque_callback, run_coupled, coupled_energy
 
+   integer, parameter :: blocks_per_thread = 4 !! with fewer, a thread costs more than it brings
+
    !> The host's torques for all bodies at once: extend this type, its components are the context.
    type, abstract :: torque_callback
    contains
@@ -27,15 +31,17 @@ module poinsot_ensemble_coupled
    end type torque_callback
 
    abstract interface
-      !> Torques of all bodies, in the caller's order and in the frame the plan says. `stop` = .true. ends the call: the
-      !> bodies then have the state of before that step.
+      !> Torques of all bodies, in the caller's order and in the frame the plan says. `stop` =
+      !> .true. ends the call: the bodies then have the state of before that step.
       subroutine evaluate(self, t, q, torque, energy, stop)
          import :: torque_callback, dp
+         implicit none(type, external)
          class(torque_callback), intent(inout) :: self
          real(dp), intent(in) :: t                          !! time
-         real(dp), intent(in), target :: q(:, :)            !! (n, 4): attitudes, the caller's body frames
+         real(dp), intent(in), target :: q(:, :)        !! (n, 4): attitudes, the caller's body
+                                                        !! frames
          real(dp), intent(inout), target :: torque(:, :)    !! (n, 3): zero on entry
-         real(dp), intent(inout) :: energy                  !! potential energy of all, if it is known
+         real(dp), intent(inout) :: energy              !! potential energy of all, if it is known
          logical, intent(inout) :: stop
       end subroutine evaluate
    end interface
@@ -57,8 +63,9 @@ module poinsot_ensemble_coupled
       type(poinsot_plan), pointer :: plan => null()
       type(station), allocatable :: at(:)
       class(torque_callback), pointer :: callback => null()
-      real(dp), allocatable :: sources(:, :, :), changes(:, :)    !! (3, n, effects), (3, n): of pair effects
-      real(dp), allocatable :: q(:, :), torque(:, :)              !! (n, 4), (n, 3): what the callback sees
+      real(dp), allocatable :: sources(:, :, :), changes(:, :) !! (3, n, effects), (3, n): of pair
+                                                               !! effects
+      real(dp), allocatable :: q(:, :), torque(:, :)    !! (n, 4), (n, 3): what the callback sees
       real(dp) :: energy = 0                                      !! what it answered last
       integer :: n = 0, team = 1
    contains
@@ -89,7 +96,8 @@ contains
       call gather_all(plan, view, system, failed, error)
       if (.not. raised(error)) then
          allocate (before(merge(size(system%at), 0, present(callback))), stat=state)
-         if (state /= 0) call raise(error, poinsot_e_memory, "no memory for the state before a step")
+         if (state /= 0) call raise(error, poinsot_e_memory, &
+            "no memory for the state before a step")
       end if
       status = error%code
       if (raised(error)) return
@@ -136,8 +144,8 @@ contains
       end do
    end subroutine go_back
 
-   !> Kinetic and potential energy of each body at time t, pair energies shared between the two. A body that is refused
-   !> keeps what stands in the arrays.
+   !> Kinetic and potential energy of each body at time t, pair energies shared between the two. A
+   !> body that is refused keeps what stands in the arrays.
    subroutine coupled_energy(plan, view, t, kinetic, potential, status, error)
       type(poinsot_plan), intent(in), target :: plan
       type(body_view), intent(in) :: view
@@ -186,12 +194,14 @@ contains
       system%plan => plan
       system%n = view%n
       system%team = 1
-      !$ if (.not. omp_in_parallel()) system%team = merge(plan%threads, omp_get_max_threads(), plan%threads > 0)
+      !$ if (.not. omp_in_parallel()) &
+      !$    system%team = merge(plan%threads, omp_get_max_threads(), plan%threads > 0)
       call check_pairs(plan, view, error)
       if (.not. raised(error)) call compose_classes(plan, plan%splitting, composed, error)
       if (raised(error)) return
       if (plan%splitting%needs_gradient .and. associated(system%callback)) then
-         call raise(error, poinsot_e_method, "splitting '"//trim(plan%splitting%name)//"' needs a force gradient, "// &
+         call raise(error, poinsot_e_method, "splitting '"//trim(plan%splitting%name) &
+            //"' needs a force gradient, "// &
                     "which a callback does not have; srkn4 and srkn6 need none")
          return
       end if
@@ -204,11 +214,15 @@ contains
             blocks = blocks + 1
          end do
       end do
+      system%team = max(1, min(system%team, blocks/blocks_per_thread))
       allocate (system%at(blocks), stat=state)
-      if (state == 0 .and. plan%coupled) &
-         allocate (system%sources(3, view%n, size(plan%effects)), system%changes(3, view%n), stat=state)
-      if (state == 0 .and. associated(system%callback)) &
+      if (state == 0 .and. plan%coupled) then
+         allocate (system%sources(3, view%n, size(plan%effects)), system%changes(3, view%n), &
+            stat=state)
+      end if
+      if (state == 0 .and. associated(system%callback)) then
          allocate (system%q(view%n, 4), system%torque(view%n, 3), stat=state)
+      end if
       if (state /= 0) then
          call raise(error, poinsot_e_memory, "no memory for the blocks of all bodies")
          return
@@ -222,7 +236,8 @@ contains
             call next_block(h, first, n, class)
             if (n == 0) exit
             k = k + 1
-            call load_station(plan, host, composed(class), h%at(first:first + n - 1), n, class, system%at(k))
+            call load_station(plan, host, composed(class), h%at(first:first + n - 1), n, class, &
+               system%at(k))
          end do
       end do
       do k = 1, size(composed)
@@ -262,7 +277,8 @@ contains
             s%b%q = s%flows%q
             s%b%carry = s%flows%carry
             s%b%status = s%flows%status
-            call store_block(host, plan%classes(s%b%class), plan%axes(:, s%b%class), .false., .false., s%b)
+            call store_block(host, plan%classes(s%b%class), plan%axes(:, s%b%class), .false., &
+               .false., s%b)
             failed = failed .or. any(s%b%status(1:s%b%n) /= poinsot_ok)
          end associate
       end do
@@ -280,7 +296,8 @@ contains
          class is (pair_effect)
             if (one%bodies() > 0 .and. one%bodies() /= view%n) then
                write (numbers, "(i0, a, i0)") one%bodies(), " for ", view%n
-               call raise(error, poinsot_e_size, "effect '"//trim(one%name)//"' has positions of "//trim(numbers)// &
+               call raise(error, poinsot_e_size, "effect '"//trim(one%name) &
+                  //"' has positions of "//trim(numbers)// &
                           " bodies: give one position for each")
             end if
          end select
@@ -292,7 +309,8 @@ contains
       real(dp), intent(in) :: h
       integer :: k
       self%fresh = .false.
-      !$omp parallel do num_threads(self%team) schedule(static) default(none) shared(self, h) private(k)
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) &
+      !$omp shared(self, h) private(k)
       do k = 1, size(self%at)
          call self%at(k)%flows%drift(h)
       end do
@@ -305,7 +323,8 @@ contains
       integer(i8), intent(in) :: step
       integer, intent(in) :: half
       integer :: k
-      !$omp parallel do num_threads(self%team) schedule(static) default(none) shared(self, h, step, half) private(k)
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) &
+      !$omp shared(self, h, step, half) private(k)
       do k = 1, size(self%at)
          if (self%at(k)%flows%has_outer) call self%at(k)%flows%outer(h, step, half)
       end do
@@ -321,7 +340,8 @@ contains
       if (self%halted) return
       self%fresh = .true.
       if (abs(c) > 0) call evaluate_gradients(self, t)
-      !$omp parallel do num_threads(self%team) schedule(static) default(none) shared(self, b, c) private(k)
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) &
+      !$omp shared(self, b, c) private(k)
       do k = 1, size(self%at)
          call self%at(k)%flows%push(b, c)
       end do
@@ -334,15 +354,18 @@ contains
       real(dp), intent(in) :: t
       integer :: k, i
       call lay_all(self)
-      !$omp parallel do num_threads(self%team) schedule(static) default(none) shared(self, t) private(k, i)
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) &
+      !$omp shared(self, t) private(k, i)
       do k = 1, size(self%at)
          associate (s => self%at(k))
             call s%flows%start_torque(t)
             do i = 1, size(self%plan%effects)
                select type (one => self%plan%effects(i)%it)
                class is (pair_effect)
-                  if (one%acts_on(s%b%class)) &
-                     call one%add_torque(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i), s%flows%g)
+                  if (one%acts_on(s%b%class)) then
+                     call one%add_torque(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i), &
+                        s%flows%g)
+                  end if
                end select
             end do
          end associate
@@ -382,7 +405,8 @@ contains
          select type (one => self%plan%effects(i)%it)
          class is (pair_effect)
             associate (s => self%at(k))
-               if (one%acts_on(s%b%class)) call one%add_energy(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i), u)
+               if (one%acts_on(s%b%class)) call one%add_energy(s%b%class, s%b%at, s%flows%q, &
+                  self%sources(:, :, i), u)
             end associate
          end select
       end do
@@ -438,14 +462,18 @@ contains
             self%changes = 0
             do k = 1, size(self%at)
                associate (s => self%at(k))
-                  if (one%acts_on(s%b%class)) &
+                  if (one%acts_on(s%b%class)) then
                      call one%lay_change(s%b%class, s%b%at, s%flows%q, s%flows%delta, self%changes)
+                  end if
                end associate
             end do
             do k = 1, size(self%at)
                associate (s => self%at(k))
-                  if (one%acts_on(s%b%class)) call one%add_derivative(s%b%class, s%b%at, s%flows%q, s%flows%delta, &
-                                                                      self%sources(:, :, i), self%changes, s%flows%gradient)
+                  if (one%acts_on(s%b%class)) call one%add_derivative(s%b%class, s%b%at, &
+                     s%flows%q, s%flows%delta, &
+                                                                      self%sources(:, :, i), &
+                                                                         self%changes, &
+                                                                         s%flows%gradient)
                end associate
             end do
          end select

@@ -1,4 +1,5 @@
-!> Dealing bodies out to blocks of one class, chunk by chunk. A chunk is the unit that OpenMP deals out to threads.
+!> Dealing bodies out to blocks of one class, chunk by chunk. A chunk is the unit that OpenMP deals
+!> out to threads.
 module poinsot_ensemble_deal
    use poinsot_core_kinds, only: lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
@@ -26,7 +27,8 @@ contains
       chunk_count = (n + chunk_size - 1)/chunk_size
    end function chunk_count
 
-   !> Collect chunk number k. A body whose class does not exist is refused: POINSOT_E_DOMAIN, and left out.
+   !> Collect chunk number k. A body whose class does not exist is refused: POINSOT_E_DOMAIN, and
+   !> left out.
    subroutine deal_chunk(view, classes, k, h, refused)
       type(body_view), intent(in) :: view
       integer, intent(in) :: classes          !! how many classes there are
@@ -58,7 +60,8 @@ contains
       end do
    end subroutine deal_chunk
 
-   !> Insert a body behind the others of its class. Bodies usually come class by class already: then nothing moves.
+   !> Insert a body behind the others of its class. Bodies usually come class by class already: then
+   !> nothing moves.
    pure subroutine insert(h, at, class)
       type(hand), intent(inout) :: h
       integer, intent(in) :: at, class
@@ -75,23 +78,24 @@ contains
       h%n = h%n + 1
    end subroutine insert
 
-   !> The next block of the chunk: up to `lanes` bodies of one class. n = 0 when there are none left.
-   pure subroutine next_block(h, first, n, class)
+   !> The next block of the chunk: up to `lanes` bodies of one class. n = 0 when there are none
+   !> left.
+   pure subroutine next_block(h, first, n, number)
       type(hand), intent(inout) :: h
-      integer, intent(out) :: first, n, class
+      integer, intent(out) :: first, n, number
       first = h%done + 1
       n = 0
-      class = 0
+      number = 0
       if (first > h%n) return
       if (h%one_class) then
-         class = 1
+         number = 1
          n = min(lanes, h%n - h%done)
          h%done = h%done + n
          return
       end if
-      class = h%class(first)
+      number = h%class(first)
       do while (n < lanes .and. first + n <= h%n)
-         if (h%class(first + n) /= class) exit
+         if (h%class(first + n) /= number) exit
          n = n + 1
       end do
       h%done = h%done + n

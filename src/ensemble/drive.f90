@@ -1,7 +1,8 @@
 !> The one loop over bodies: chunks dealt out to threads, blocks loaded, worked on, stored.
 !>
-!> What is done to a block is a `block_job`; the loop knows nothing of it. Threads start once per call, however many steps the job
-!> makes. Inside somebody else's parallel region the loop runs serial.
+!> What is done to a block is a `block_job`; the loop knows nothing of it. Threads start once per
+!> call, however many steps the job makes. Inside somebody else's parallel region the loop runs
+!> serial.
 module poinsot_ensemble_drive
    use poinsot_core_kinds, only: dp
    use poinsot_core_lanes, only: any_failed
@@ -17,7 +18,8 @@ module poinsot_ensemble_drive
 
    !> Something to do with a block of bodies of one class.
    type, abstract :: block_job
-      logical :: keep_momentum = .false. !! the caller's momentum variable is not changed by this job
+      logical :: keep_momentum = .false. !! the caller's momentum variable is not changed by this
+                                         !! job
       logical :: keep_attitude = .false. !! nor the attitude
       logical :: wants_id = .false.      !! it draws random numbers
       logical :: read_only = .false.     !! nothing is written back but statuses
@@ -28,6 +30,7 @@ module poinsot_ensemble_drive
    abstract interface
       subroutine run_job(self, class, b)
          import :: block_job, body_class, block_state
+         implicit none(type, external)
          class(block_job), intent(inout) :: self
          type(body_class), intent(in) :: class
          type(block_state), intent(inout) :: b
@@ -36,7 +39,8 @@ module poinsot_ensemble_drive
 
 contains
 
-   !> Do a job on all bodies. Returns POINSOT_OK, or POINSOT_E_PARTIAL if some bodies failed: those keep the state they had.
+   !> Do a job on all bodies. Returns POINSOT_OK, or POINSOT_E_PARTIAL if some bodies failed: those
+   !> keep the state they had.
    integer function for_each_block(view, classes, axes, momentum, threads, job) result(status)
       type(body_view), intent(in) :: view
       type(body_class), intent(in) :: classes(:)

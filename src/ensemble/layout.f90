@@ -1,34 +1,45 @@
-!> The momentum variables and body frames of other codes, turned into native ones and back, block by block.
+!> The momentum variables and body frames of other codes, turned into native ones and back, block by
+!> block.
 !>
-!> Native: angular momentum y in the principal frame, attitude q from the principal frame to space. See docs on conventions.
+!> Native: angular momentum y in the principal frame, attitude q from the principal frame to space.
+!> See docs on conventions.
 module poinsot_ensemble_layout
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
-   public :: momentum_names, body_momentum, space_momentum, body_velocity, space_velocity, conjugate_momentum
+   public :: momentum_names, body_momentum, space_momentum, body_velocity, space_velocity, &
+      conjugate_momentum
    public :: layout_names, layout_momentum, no_axes, turned, to_native, from_native, turn_to_body
 
    integer, parameter :: body_momentum = 1      !! angular momentum, body frame
    integer, parameter :: space_momentum = 2     !! angular momentum, space frame (LAMMPS)
    integer, parameter :: body_velocity = 3      !! angular velocity, body frame (DL_POLY, ESPResSo)
    integer, parameter :: space_velocity = 4     !! angular velocity, space frame (Bullet)
-   integer, parameter :: conjugate_momentum = 5 !! 2 q o (0, y), four components (HOOMD, NO_SQUISH codes)
-   character(20), parameter :: momentum_names(5) = [character(20) :: "body-momentum", "space-momentum", &
-                                                    "body-velocity", "space-velocity", "conjugate-momentum"]
+   integer, parameter :: conjugate_momentum = 5 !! 2 q o (0, y), four components (HOOMD, NO_SQUISH
+                                                !! codes)
+   character(20), parameter :: momentum_names(5) = [character(20) :: "body-momentum", &
+      "space-momentum", &
+                                                    "body-velocity", "space-velocity", &
+                                                       "conjugate-momentum"]
 
    !> Layouts by name, and the momentum variable each stands for.
-   character(8), parameter :: layout_names(4) = [character(8) :: "native", "lammps", "dl_poly", "hoomd"]
-   integer, parameter :: layout_momentum(4) = [body_momentum, space_momentum, body_velocity, conjugate_momentum]
+   character(8), parameter :: layout_names(4) = [character(8) :: "native", "lammps", "dl_poly", &
+      "hoomd"]
+   integer, parameter :: layout_momentum(4) = [body_momentum, space_momentum, body_velocity, &
+      conjugate_momentum]
 
-   real(dp), parameter :: no_axes(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp] !! the body frame is the principal frame
+   real(dp), parameter :: no_axes(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp] !! the body frame is the
+                                                                        !! principal frame
 
 contains
 
-   !> p, the caller's momentum variable, and q, from the caller's body frame -> y and q of the principal frame.
+   !> p, the caller's momentum variable, and q, from the caller's body frame -> y and q of the
+   !> principal frame.
    pure subroutine to_native(momentum, axes, class, p, y, q)
       integer, intent(in) :: momentum            !! one of the five variables
-      real(dp), intent(in) :: axes(4)            !! quaternion of the principal axes in the caller's body frame
+      real(dp), intent(in) :: axes(4)            !! quaternion of the principal axes in the caller's
+                                                 !! body frame
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: p(lanes, 4)
       real(dp), intent(out) :: y(lanes, 3)
@@ -42,9 +53,12 @@ contains
       case (conjugate_momentum)
          !GCC$ ivdep
          do l = 1, lanes
-            y(l, 1) = 0.5_dp*(q(l, 1)*p(l, 2) - q(l, 2)*p(l, 1) - (q(l, 3)*p(l, 4) - q(l, 4)*p(l, 3)))
-            y(l, 2) = 0.5_dp*(q(l, 1)*p(l, 3) - q(l, 3)*p(l, 1) - (q(l, 4)*p(l, 2) - q(l, 2)*p(l, 4)))
-            y(l, 3) = 0.5_dp*(q(l, 1)*p(l, 4) - q(l, 4)*p(l, 1) - (q(l, 2)*p(l, 3) - q(l, 3)*p(l, 2)))
+            y(l, 1) = 0.5_dp*(q(l, 1)*p(l, 2) - q(l, 2)*p(l, 1) - (q(l, 3)*p(l, 4) - q(l, 4)*p(l, &
+               3)))
+            y(l, 2) = 0.5_dp*(q(l, 1)*p(l, 3) - q(l, 3)*p(l, 1) - (q(l, 4)*p(l, 2) - q(l, 2)*p(l, &
+               4)))
+            y(l, 3) = 0.5_dp*(q(l, 1)*p(l, 4) - q(l, 4)*p(l, 1) - (q(l, 2)*p(l, 3) - q(l, 3)*p(l, &
+               2)))
          end do
       case default
          y = p(:, 1:3)

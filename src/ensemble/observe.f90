@@ -1,4 +1,5 @@
-!> What an ensemble has: energies, momentum, degrees of freedom. Body by body, so that sums do not depend on threads.
+!> What an ensemble has: energies, momentum, degrees of freedom. Body by body, so that sums do not
+!> depend on threads.
 module poinsot_ensemble_observe
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -36,8 +37,8 @@ module poinsot_ensemble_observe
 
 contains
 
-   !> Kinetic and potential energy of each body at time t; what two bodies have together is shared between them. A body
-   !> that is refused has a status and zero energies.
+   !> Kinetic and potential energy of each body at time t; what two bodies have together is shared
+   !> between them. A body that is refused has a status and zero energies.
    subroutine body_energies(plan, view, t, kinetic, potential, status, error)
       type(poinsot_plan), intent(in), target :: plan
       type(body_view), intent(in) :: view
@@ -50,8 +51,10 @@ contains
       potential = 0
       call check_ready(plan, view, error)
       if (.not. raised(error)) call check_step(t, 1, error, "time t")
-      if (.not. raised(error) .and. (size(kinetic) < view%n .or. size(potential) < view%n)) &
-         call raise(error, poinsot_e_size, "energies: the arrays are shorter than the number of bodies")
+      if (.not. raised(error) .and. (size(kinetic) < view%n .or. size(potential) < view%n)) then
+         call raise(error, poinsot_e_size, &
+            "energies: the arrays are shorter than the number of bodies")
+      end if
       status = error%code
       if (raised(error)) return
       if (plan%coupled) then
@@ -78,8 +81,9 @@ contains
       type(momentum_job) :: job
       momentum = 0
       call check_ready(plan, view, error)
-      if (.not. raised(error) .and. (size(momentum, 1) < 3 .or. size(momentum, 2) < view%n)) &
+      if (.not. raised(error) .and. (size(momentum, 1) < 3 .or. size(momentum, 2) < view%n)) then
          call raise(error, poinsot_e_size, "momenta: the array is not (3, n)")
+      end if
       status = error%code
       if (raised(error)) return
       job%read_only = .true.
@@ -102,7 +106,8 @@ contains
       end if
       do i = 1, view%n
          c = view%body_class(i)
-         if (c >= view%first_class .and. c < view%first_class + size(each)) total = total + each(c - view%first_class + 1)
+         if (c >= view%first_class .and. c < view%first_class + size(each)) total = total &
+            + each(c - view%first_class + 1)
       end do
    end function total_degrees_of_freedom
 

@@ -1,35 +1,40 @@
-!> The plan: everything about a calculation that does not change from call to call. Immutable once ready, so that threads
-!> may share it; all that belongs to a body is the caller's.
+!> The plan: everything about a calculation that does not change from call to call. Immutable once
+!> ready, so that threads may share it; all that belongs to a body is the caller's.
 module poinsot_ensemble_plan
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: nearest_name
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, poinsot_e_size
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
+      poinsot_e_size
    use poinsot_body_class, only: body_class, make_class
    use poinsot_body_inertia, only: principal_axes
    use poinsot_rotation_conversions, only: from_matrix
    use poinsot_effect_effect, only: effect, effect_item, pair_effect
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: setting
-   use poinsot_ensemble_layout, only: momentum_names, body_momentum, layout_names, layout_momentum, no_axes
+   use poinsot_ensemble_layout, only: momentum_names, body_momentum, layout_names, &
+      layout_momentum, no_axes
    use poinsot_free_method, only: free_method, find_method
    use poinsot_splitting_block_flows, only: block_flows
    use poinsot_splitting_registry, only: find_splitting
    use poinsot_splitting_tableaux, only: splitting
    implicit none(type, external)
    private
-   public :: poinsot_plan, add_class, add_tensor_class, set_option, add_effect, add_ready_effect, make_ready
+   public :: poinsot_plan, add_class, add_tensor_class, set_option, add_effect, add_ready_effect, &
+      make_ready
    public :: compose_classes
 
    !> What a calculation needs to know beforehand.
    type :: poinsot_plan
       logical :: ready = .false.
       type(body_class), allocatable :: classes(:)
-      real(dp), allocatable :: axes(:, :)         !! (4, classes): principal axes in the caller's body frame
+      real(dp), allocatable :: axes(:, :)         !! (4, classes): principal axes in the caller's
+                                                  !! body frame
       type(free_method) :: method                 !! set on creation to `exact`
       type(splitting) :: splitting                !! set to `srkn6`
       integer :: momentum = body_momentum         !! the caller's momentum variable
-      logical :: space_torque = .false.           !! torques of `kick` and of callbacks are in the space frame
+      logical :: space_torque = .false.           !! torques of `kick` and of callbacks are in the
+                                                  !! space frame
       integer :: threads = 0                      !! 0: as OpenMP says
       integer(i8) :: seed = 0                     !! of random numbers
       type(effect_item), allocatable :: effects(:)
@@ -47,7 +52,8 @@ contains
       call append_class(plan, moments, no_axes, number, error)
    end subroutine add_class
 
-   !> Add a body class by its inertia tensor in the caller's body frame, which y and q of its bodies then refer to.
+   !> Add a body class by its inertia tensor in the caller's body frame, which y and q of its bodies
+   !> then refer to.
    subroutine add_tensor_class(plan, tensor, number, error)
       type(poinsot_plan), intent(inout) :: plan
       real(dp), intent(in) :: tensor(3, 3)
@@ -90,13 +96,14 @@ contains
       number = n + 1
    end subroutine append_class
 
-   !> Set an option by name: method, splitting, layout, momentum, frame (of torques: body, space), threads, seed.
-   !> POINSOT_E_METHOD for an unknown name or value, with what there is.
+   !> Set an option by name: method, splitting, layout, momentum, frame (of torques: body, space),
+   !> threads, seed. POINSOT_E_METHOD for an unknown name or value, with what there is.
    subroutine set_option(plan, key, value, error)
       type(poinsot_plan), intent(inout) :: plan
       character(*), intent(in) :: key, value
       type(poinsot_error), intent(inout) :: error
-      character(9), parameter :: keys(7) = [character(9) :: "method", "splitting", "layout", "momentum", "frame", &
+      character(9), parameter :: keys(7) = [character(9) :: "method", "splitting", "layout", &
+         "momentum", "frame", &
                                             "threads", "seed"]
       integer :: place
       integer(i8) :: number
@@ -125,7 +132,8 @@ contains
          call read_integer(key, value, -huge(number), huge(number), number, error)
          if (.not. raised(error)) plan%seed = number
       case default
-         call raise(error, poinsot_e_method, "plan: unknown option '"//trim(key)//"'; nearest: '"// &
+         call raise(error, poinsot_e_method, "plan: unknown option '"//trim(key)//"'; nearest: '" &
+            // &
                     nearest_name(key, keys)//"'")
       end select
    end subroutine set_option
@@ -138,7 +146,8 @@ contains
       do place = 1, size(names)
          if (names(place) == value) return
       end do
-      call raise(error, poinsot_e_method, "plan: unknown "//key//" '"//trim(value)//"'; nearest: '"// &
+      call raise(error, poinsot_e_method, "plan: unknown "//key//" '"//trim(value) &
+         //"'; nearest: '"// &
                  nearest_name(value, names)//"'")
    end subroutine choose
 
@@ -151,10 +160,12 @@ contains
       character(50) :: range
       number = least
       state = 1
-      if (verify(trim(value), "+-0123456789") == 0 .and. len_trim(value) > 0) read (value, *, iostat=state) number
+      if (verify(trim(value), "+-0123456789") == 0 .and. len_trim(value) > 0) read (value, *, &
+         iostat=state) number
       if (state == 0 .and. number >= least .and. number <= most) return
       write (range, "(i0, a, i0)") least, " to ", most
-      call raise(error, poinsot_e_domain, "plan: "//key//" = '"//trim(value)//"' is not a whole number, "//trim(range))
+      call raise(error, poinsot_e_domain, "plan: "//key//" = '"//trim(value) &
+         //"' is not a whole number, "//trim(range))
    end subroutine read_integer
 
    !> Add an effect by name, with its keys and values (see `poinsot effects`).
@@ -170,7 +181,8 @@ contains
       call add_ready_effect(plan, made, error)
    end subroutine add_effect
 
-   !> Add an effect of the user's own type: an extension of torque_effect, flow_effect or pair_effect.
+   !> Add an effect of the user's own type: an extension of torque_effect, flow_effect or
+   !> pair_effect.
    subroutine add_ready_effect(plan, made, error)
       type(poinsot_plan), intent(inout) :: plan
       class(effect), allocatable, intent(inout) :: made   !! moved into the plan
@@ -192,7 +204,8 @@ contains
       call move_alloc(effects, plan%effects)
    end subroutine add_ready_effect
 
-   !> Close the plan: compose effects, check that they, the classes and the splitting fit. Immutable from here on.
+   !> Close the plan: compose effects, check that they, the classes and the splitting fit. Immutable
+   !> from here on.
    subroutine make_ready(plan, error)
       type(poinsot_plan), intent(inout), target :: plan
       type(poinsot_error), intent(inout) :: error
@@ -200,7 +213,8 @@ contains
       integer :: i
       if (refused(plan, error)) return
       if (.not. allocated(plan%classes)) then
-         call raise(error, poinsot_e_size, "plan: add at least one body class before it is made ready")
+         call raise(error, poinsot_e_size, &
+            "plan: add at least one body class before it is made ready")
          return
       end if
       if (.not. associated(plan%method%increment)) call find_method("exact", plan%method, error)
@@ -221,7 +235,8 @@ contains
       plan%ready = .not. raised(error)
    end subroutine make_ready
 
-   !> The flows of each body class with the effects that act on it. They point into the plan: for the length of a call.
+   !> The flows of each body class with the effects that act on it. They point into the plan: for
+   !> the length of a call.
    subroutine compose_classes(plan, scheme, flows, error)
       type(poinsot_plan), intent(in), target :: plan
       type(splitting), intent(in) :: scheme
@@ -245,7 +260,8 @@ contains
       type(poinsot_plan), intent(in) :: plan
       type(poinsot_error), intent(inout) :: error
       refused = plan%ready
-      if (refused) call raise(error, poinsot_e_domain, "plan: it is ready, and cannot be changed any more")
+      if (refused) call raise(error, poinsot_e_domain, &
+         "plan: it is ready, and cannot be changed any more")
    end function refused
 
 end module poinsot_ensemble_plan

@@ -26,7 +26,8 @@ module poinsot_ensemble_rotate
 
 contains
 
-   !> Rotate all bodies of a native view freely. POINSOT_E_PARTIAL if some failed: each has a status and its state of before.
+   !> Rotate all bodies of a native view freely. POINSOT_E_PARTIAL if some failed: each has a status
+   !> and its state of before.
    subroutine rotate_bodies(class, method, h, steps, view, threads, status, error)
       type(body_class), intent(in) :: class
       type(free_method), intent(in) :: method

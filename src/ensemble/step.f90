@@ -1,4 +1,5 @@
-!> What a host calls every step: `drift` (free rotation), `kick` (its own torques), `step` (both, with the plan's effects).
+!> What a host calls every step: `drift` (free rotation), `kick` (its own torques), `step` (both,
+!> with the plan's effects).
 module poinsot_ensemble_step
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -8,7 +9,8 @@ module poinsot_ensemble_step
    use poinsot_ensemble_bodies, only: body_view, column
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
    use poinsot_ensemble_drive, only: block_job, for_each_block
-   use poinsot_ensemble_layout, only: body_momentum, space_momentum, conjugate_momentum, turn_to_body
+   use poinsot_ensemble_layout, only: body_momentum, space_momentum, conjugate_momentum, &
+      turn_to_body
    use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
    use poinsot_ensemble_rotate, only: rotate_job, check_step
    use poinsot_free_accumulate, only: add_kick, add_kick_compensated
@@ -23,7 +25,8 @@ module poinsot_ensemble_step
    type, extends(block_job) :: kick_job
       type(column) :: torque(3)
       logical :: space = .false.              !! torques are in the space frame
-      logical :: same_frame = .false.         !! and so are the caller's momenta, or both in its body frame
+      logical :: same_frame = .false.         !! and so are the caller's momenta, or both in its
+                                              !! body frame
       real(dp) :: h = 0
       real(dp), allocatable :: axes(:, :)
    contains
@@ -43,7 +46,8 @@ module poinsot_ensemble_step
 
 contains
 
-   !> Free rotation of all bodies over h. Returns POINSOT_E_PARTIAL if some failed; an error otherwise.
+   !> Free rotation of all bodies over h. Returns POINSOT_E_PARTIAL if some failed; an error
+   !> otherwise.
    subroutine drift_bodies(plan, view, h, status, error)
       type(poinsot_plan), intent(in) :: plan          !! ready
       type(body_view), intent(in) :: view
@@ -84,8 +88,9 @@ contains
       status = for_each_block(view, plan%classes, plan%axes, plan%momentum, plan%threads, job)
    end subroutine kick_bodies
 
-   !> Steps number first to first + steps - 1 of length h; step k starts at t + k h. Effects of the plan act, and the
-   !> callback's torques, if there is one. Ten steps in one call are ten calls, to the bit.
+   !> Steps number first to first + steps - 1 of length h; step k starts at t + k h. Effects of the
+   !> plan act, and the callback's torques, if there is one. Ten steps in one call are ten calls, to
+   !> the bit.
    subroutine step_bodies(plan, view, t, h, first, steps, status, error, callback)
       type(poinsot_plan), intent(in), target :: plan
       type(body_view), intent(in) :: view
@@ -131,7 +136,8 @@ contains
       if (steps < 0) then
          call raise(error, poinsot_e_size, "number of steps is negative")
       else if (first > huge(first) - steps) then
-         call raise(error, poinsot_e_size, "step numbers first to first + steps leave the range of 64 bits")
+         call raise(error, poinsot_e_size, &
+            "step numbers first to first + steps leave the range of 64 bits")
       end if
    end subroutine check_count
 
@@ -145,9 +151,10 @@ contains
       do i = 1, size(flows)
          if (.not. allocated(flows(i)%outers)) cycle
          do j = 1, size(flows(i)%outers)
-            if (flows(i)%outers(j)%it%only_forward()) &
+            if (flows(i)%outers(j)%it%only_forward()) then
                call raise(error, poinsot_e_domain, "effect '"//trim(flows(i)%outers(j)%it%name)// &
                           "' is defined for steps h > 0 only")
+            end if
          end do
       end do
    end subroutine check_direction
@@ -159,8 +166,10 @@ contains
       type(poinsot_error), intent(inout) :: error
       if (.not. plan%ready) then
          call raise(error, poinsot_e_domain, "the plan is not ready: call plan_ready first")
-      else if (plan%momentum == conjugate_momentum .and. view%n > 0 .and. .not. associated(view%y(4)%of)) then
-         call raise(error, poinsot_e_size, "a conjugate momentum has four components: y_fourth is missing")
+      else if (plan%momentum == conjugate_momentum .and. view%n > 0 .and. &
+         .not. associated(view%y(4)%of)) then
+         call raise(error, poinsot_e_size, &
+            "a conjugate momentum has four components: y_fourth is missing")
       end if
    end subroutine check_ready
 

@@ -1,5 +1,6 @@
-!> Copying between the caller's arrays and blocks, as fast as their layout allows: rows and component arrays in vector code,
-!> whatever else by strides. Which it is, is found out once per call.
+!> Copying between the caller's arrays and blocks, as fast as their layout allows: rows and
+!> component arrays in vector code, whatever else by strides. Which it is, is found out once per
+!> call.
 module poinsot_ensemble_transfer
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_intptr_t, c_loc, c_ptr
    use poinsot_core_kinds, only: dp, lanes
@@ -14,7 +15,8 @@ module poinsot_ensemble_transfer
    type :: arrays
       integer :: columns = 0                                      !! how many there are, 3 or 4
       type(column) :: any(4)                                      !! them, with their strides
-      real(dp), pointer, contiguous :: rows(:, :) => null()       !! (columns, n), if that is what they are
+      real(dp), pointer, contiguous :: rows(:, :) => null() !! (columns, n), if that is what they
+                                                            !! are
    end type arrays
 
 contains
@@ -35,7 +37,8 @@ contains
       are_rows = .true.
       do j = 1, columns
          are_rows = are_rows .and. address(from(j)%of(1)) == first + (j - 1)*bytes
-         if (n > 1) are_rows = are_rows .and. address(from(j)%of(2)) - address(from(j)%of(1)) == columns*bytes
+         if (n > 1) are_rows = are_rows .and. address(from(j)%of(2)) - address(from(j)%of(1)) &
+            == columns*bytes
       end do
       if (.not. are_rows) return
       base = c_loc(from(1)%of(1))

@@ -22,6 +22,7 @@ module poinsot_free_method
       !> that fails gets a status. Written so that a lane's bits depend on that lane alone.
       pure subroutine increment_kernel(class, terms, h, y, q, dy, dq, status)
          import :: dp, lanes, body_class
+         implicit none(type, external)
          type(body_class), intent(in) :: class      !! constants of the body class
          !> terms of the preprocessing series, where there is one
          integer, intent(in) :: terms
@@ -64,10 +65,10 @@ contains
       integer :: n
       methods(1) = free_method("", 0, 0, .true., exact_increment, &
                                "explicit exact step; substeps and Jacobi's functions by itself")
-      methods(2) = free_method("", 0, 0, .true., jacobi_increment, "Jacobi's elliptic functions, &
-         any step")
+      methods(2) = free_method("", 0, 0, .true., jacobi_increment, &
+                               "Jacobi's elliptic functions, any step")
       methods(3) = free_method("", 2, 0, .true., moser_veselov_increment, &
-         "discrete Moser-Veselov map, plain")
+                               "discrete Moser-Veselov map, plain")
       do n = 1, 11
          methods(3 + n) = free_method("", 2*n + 2, n, .true., moser_veselov_increment, &
                                       "discrete Moser-Veselov map, preprocessed")
@@ -77,8 +78,8 @@ contains
                                 "splitting into rotations about the axes, 3-2-1-2-3")
       methods(17) = free_method("", 2, 0, .false., symmetric_rotation_increment, &
                                 "splitting into a symmetric body and a rotation")
-      methods(18) = free_method("", 2, 0, .true., rattle_increment, "RATTLE in the matrices (P, &
-         Q); the map of dmv2")
+      methods(18) = free_method("", 2, 0, .true., rattle_increment, &
+                                "RATTLE in the matrices (P, Q); the map of dmv2")
       methods%name = method_names
    end function registered
 

@@ -219,6 +219,9 @@ contains
             w(l) = w(l)*f(l) + h7(b(0, 1), e(l))
             w(l) = w(l)*f(l) + h9(b(0, 0), e(l))
          end do
+      case default
+         t = 1
+         w = 1
       end select
    end subroutine symmetric_polynomials
 

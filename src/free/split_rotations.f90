@@ -40,7 +40,8 @@ contains
          half = (0.5_dp*part(k))*((y(:, j) + dy(:, j))*class%inverse(j)*hl)
          call turn_about(j, half, y, q, dy, dq)
       end do
-      ! The turns leave momentum of order h^3 about an axis without inertia, where there can be none.
+      ! The turns leave momentum of order h^3 about an axis without inertia, where there can be
+      ! none.
       do j = 1, 3
          if (.not. class%inverse(j) > 0) dy(:, j) = -y(:, j)
       end do
@@ -78,11 +79,12 @@ contains
    pure subroutine symmetric_pair(inverse, a, b, c)
       real(dp), intent(in) :: inverse(3)
       integer, intent(out) :: a, b, c
+      real(dp) :: gap(3)
       integer :: j
+      gap = abs(inverse - cshift(inverse, 1))
       a = 1
       do j = 2, 3
-         if (abs(inverse(j) - inverse(1 + mod(j, 3))) < abs(inverse(a) - inverse(1 + mod(a, 3)))) &
-            a = j
+         if (gap(j) < gap(a)) a = j
       end do
       b = 1 + mod(a, 3)
       c = 1 + mod(b, 3)
