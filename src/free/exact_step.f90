@@ -6,9 +6,8 @@
 !> companion for half a step.
 module poinsot_free_exact_step
    use poinsot_core_kinds, only: dp, lanes
-   use poinsot_core_lanes, only: smallest
-   use poinsot_body_class, only: body_class, series_levels, level_degree
-   use poinsot_free_series, only: correction, universal
+   use poinsot_body_class, only: body_class
+   use poinsot_free_bands, only: low_band, middle_band, high_band
    implicit none(type, external)
    private
    public :: exact_step_increment, step_sizes
@@ -55,16 +54,15 @@ contains
       call turn(class, ps, rs, v, twice, y, q, dy, dq)
    end subroutine exact_step_increment
 
-   !> P, R, T, W, each lane with the shortest series that is exact to rounding for it. A block whose
-   !> lanes differ runs each length that is asked for, and lanes take their own. x and z are the
-   !> arguments of T and W.
+   !> 1 + P, 1 + R, T, W, each lane with the shortest series that is exact to rounding for it. x and z
+   !> are the arguments of T and W.
    pure subroutine all_series(class, p, r, above, x, z, ps, rs, t, w)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: p(lanes), r(lanes), above
       real(dp), intent(out), dimension(lanes) :: x, z, ps, rs, t, w
-      real(dp), dimension(lanes) :: size, e, f, ps2, rs2, t2, w2
-      integer :: level, l, longest
-      real(dp) :: c1, c3, least
+      real(dp), dimension(lanes) :: e, f, takes
+      integer :: l
+      real(dp) :: c1, c3
 
       c1 = 0.25_dp*class%a(1)*class%a(2)
       c3 = 0.25_dp*class%a(2)*class%a(3)
@@ -75,28 +73,13 @@ contains
          e(l) = x(l) + z(l)
          f(l) = x(l)*z(l)
       end do
-      longest = 1
-      do while (longest < series_levels .and. above > class%reach(longest))
-         longest = longest + 1
-      end do
-      call correction(level_degree(longest), class, p, r, ps, rs)
-      call universal(level_degree(longest), e, f, t, w)
-      if (longest == 1) return
-
-      size = p + r
-      least = smallest(merge(size, above, size > 0))
-      do level = longest - 1, 1, -1
-         if (least > class%reach(level)) exit
-         call correction(level_degree(level), class, p, r, ps2, rs2)
-         call universal(level_degree(level), e, f, t2, w2)
-         !GCC$ ivdep
-         do l = 1, lanes
-            ps(l) = merge(ps2(l), ps(l), size(l) <= class%reach(level))
-            rs(l) = merge(rs2(l), rs(l), size(l) <= class%reach(level))
-            t(l) = merge(t2(l), t(l), size(l) <= class%reach(level))
-            w(l) = merge(w2(l), w(l), size(l) <= class%reach(level))
-         end do
-      end do
+      call low_band(class, p, r, e, f, ps, rs, t, w)
+      if (above <= class%reach(1)) return
+      takes = merge(1.0_dp, 0.0_dp, p + r > class%reach(1))
+      call middle_band(class, p, r, e, f, takes, ps, rs, t, w)
+      if (above <= class%reach(2)) return
+      takes = merge(1.0_dp, 0.0_dp, p + r > class%reach(2))
+      call high_band(class, p, r, e, f, takes, ps, rs, t, w)
    end subroutine all_series
 
    !> The rotation of the step from the series: v = (sin(angle)/2) axis, in the caller's axes, where

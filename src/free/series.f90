@@ -1,5 +1,5 @@
-!> The series of a block of bodies of one class: P and R to any degree from 1 to 11 (orders 4 to
-!> 24), and the universal T and W of the exact step.
+!> The series of a block of bodies of one class: 1 + P and 1 + R to any degree from 1 to 11, orders
+!> 4 to 24.
 !>
 !> Written out, one loop a degree, because only straight code keeps a bivariate Horner scheme in
 !> vector registers.
@@ -7,19 +7,11 @@ module poinsot_free_series
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
    use poinsot_body_series, only: max_degree
-   use poinsot_body_universal, only: sine_squared
    implicit none(type, external)
    private
-   public :: correction, universal, highest_degree
+   public :: correction, highest_degree
 
    integer, parameter :: highest_degree = 11 !! of P and R that a method can ask for: order 24
-
-   integer, parameter :: half = ubound(sine_squared, 2)
-   integer :: i, j !! of the table below only
-   !> W = sum (i + 2j + 1) t(i,j) e^i f^j.
-   real(dp), parameter :: product_table(0:max_degree, 0:half) = &
-      reshape([((i + 2*j + 1, i=0, max_degree), j=0, half)], shape(sine_squared)) &
-      *sine_squared
 
 contains
 
@@ -166,64 +158,6 @@ contains
          f = 1
       end select
    end subroutine polynomial
-
-   !> T to degree n - 1 and W to degree n, n = 4, 6 or 9, of e = X + Z and f = X Z. See
-   !> poinsot_body_universal.
-   pure subroutine universal(degree, e, f, t, w)
-      integer, intent(in) :: degree                 !! n
-      real(dp), intent(in) :: e(lanes), f(lanes)    !! arguments
-      real(dp), intent(out) :: t(lanes), w(lanes)   !! S^2 and S C D
-      call symmetric_polynomials(degree, sine_squared, product_table, e, f, t, w)
-   end subroutine universal
-
-   !> a to degree n - 1 and b to degree n, e of degree 1 and f of degree 2: rows nested in powers of
-   !> f.
-   pure subroutine symmetric_polynomials(degree, a, b, e, f, t, w)
-      integer, intent(in) :: degree
-      real(dp), intent(in), dimension(0:max_degree, 0:half) :: a, b
-      real(dp), intent(in) :: e(lanes), f(lanes)
-      real(dp), intent(out) :: t(lanes), w(lanes)
-      integer :: l
-      select case (degree)
-      case (4)
-         !GCC$ ivdep
-         do l = 1, lanes
-            t(l) = h1(a(0, 1), e(l))
-            t(l) = t(l)*f(l) + h3(a(0, 0), e(l))
-            w(l) = b(0, 2)
-            w(l) = w(l)*f(l) + h2(b(0, 1), e(l))
-            w(l) = w(l)*f(l) + h4(b(0, 0), e(l))
-         end do
-      case (6)
-         !GCC$ ivdep
-         do l = 1, lanes
-            t(l) = h1(a(0, 2), e(l))
-            t(l) = t(l)*f(l) + h3(a(0, 1), e(l))
-            t(l) = t(l)*f(l) + h5(a(0, 0), e(l))
-            w(l) = b(0, 3)
-            w(l) = w(l)*f(l) + h2(b(0, 2), e(l))
-            w(l) = w(l)*f(l) + h4(b(0, 1), e(l))
-            w(l) = w(l)*f(l) + h6(b(0, 0), e(l))
-         end do
-      case (9)
-         !GCC$ ivdep
-         do l = 1, lanes
-            t(l) = a(0, 4)
-            t(l) = t(l)*f(l) + h2(a(0, 3), e(l))
-            t(l) = t(l)*f(l) + h4(a(0, 2), e(l))
-            t(l) = t(l)*f(l) + h6(a(0, 1), e(l))
-            t(l) = t(l)*f(l) + h8(a(0, 0), e(l))
-            w(l) = h1(b(0, 4), e(l))
-            w(l) = w(l)*f(l) + h3(b(0, 3), e(l))
-            w(l) = w(l)*f(l) + h5(b(0, 2), e(l))
-            w(l) = w(l)*f(l) + h7(b(0, 1), e(l))
-            w(l) = w(l)*f(l) + h9(b(0, 0), e(l))
-         end do
-      case default
-         t = 1
-         w = 1
-      end select
-   end subroutine symmetric_polynomials
 
    ! h1 to h11: Horner in x.
 
