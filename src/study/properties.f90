@@ -318,7 +318,8 @@ contains
          "  exact for       bodies with two equal moments (any two), with three", &
          "  kernel off      largest distance of the library's kernel from its map in a step, &
             in 1e-16", &
-         "Orders are slopes of the error of one step, less one; those of the kernels themselves, all", &
+         "Orders are slopes of the error of one step, less one; those of the kernels themselves, &
+            all", &
          "defects, and what the kernels lose over 100 steps, are in properties.csv (--out DIR).", &
          ""]
       integer :: i
