@@ -11,8 +11,9 @@ module app_help
       character(60) :: about
    end type command
 
-   type(command), parameter :: table(5) = [ &
+   type(command), parameter :: table(6) = [ &
       command("run", "run a scene: trajectory, summary, restart, pictures"), &
+      command("cost", "what accuracy costs in time, on a scene"), &
       command("methods", "list the methods that turn a free body"), &
       command("splittings", "list the schemes that alternate kicks and turns"), &
       command("effects", "list the effects with their keys; or explain one"), &
