@@ -5,7 +5,7 @@ module app_cost
    use poinsot_scene_files, only: make_folder
    use poinsot_scene_settings, only: scene_settings
    use poinsot_study_cost, only: cost_request, cost_study, study_cost
-   use poinsot_study_cost_files, only: write_points, write_members, write_report
+   use poinsot_study_cost_files, only: write_points, write_members, write_report, write_drift_rows
    use poinsot_study_cost_plots, only: write_cost_plots, cost_pictures
    use poinsot_study_members, only: any_direction
    use app_arguments, only: word_list
@@ -19,7 +19,8 @@ module app_cost
    private
    public :: command_cost
 
-   character(13), parameter :: known(11) = [character(13) :: "--out", "--budget", "--methods", "--splittings", &
+   character(13), parameter :: known(11) = [character(13) :: "--out", "--budget", "--methods", &
+      "--splittings", &
       "--tol", "--spread", "--states", "--sums", "--set", "--no-pictures", "--quiet"]
    real(dp), parameter :: usual_tolerances(5) = [1e-3_dp, 1e-6_dp, 1e-9_dp, 1e-12_dp, 1e-15_dp]
 
@@ -57,7 +58,8 @@ contains
       call names_in(options%methods, request%methods)
       call names_in(options%splittings, request%splittings)
       if (options%budget /= "") call seconds_of("cost", options%budget, request%budget, good)
-      if (good .and. options%tol /= "") call numbers_in("cost", "--tol", options%tol, 1e-17_dp, 1.0_dp, &
+      if (good .and. options%tol /= "") call numbers_in("cost", "--tol", options%tol, 1e-17_dp, &
+         1.0_dp, &
                                                        tolerances, good)
       if (good .and. options%states /= "") then
          call numbers_in("cost", "--states", options%states, 1.0_dp, 1e5_dp, states, good)
@@ -72,7 +74,8 @@ contains
       if (.not. good .or. options%sums == "") return
       good = options%sums == "plain" .or. options%sums == "compensated"
       request%compensated = options%sums /= "plain"
-      if (.not. good) call complain("cost: --sums is plain or compensated, not '" // options%sums // "'")
+      if (.not. good) call complain("cost: --sums is plain or compensated, not '" // &
+         options%sums // "'")
    end subroutine to_request
 
    !> Study, write, draw.
@@ -94,8 +97,10 @@ contains
       call watch%wipe()
       if (.not. raised(error)) call make_folder(out, error)
       if (.not. raised(error)) call write_points(out // "/cost.csv", study, error)
+      if (.not. raised(error)) call write_drift_rows(out // "/drift.csv", study, error)
       if (.not. raised(error)) call write_members(out // "/members.csv", scene, study, error)
-      if (.not. raised(error)) call write_report(out // "/cost.txt", scene, request, study, tolerances, error)
+      if (.not. raised(error)) call write_report(out // "/cost.txt", scene, request, study, &
+         tolerances, error)
       if (.not. raised(error)) call write_cost_plots(out, scene, study, error)
       code = exit_of_run(error%code)
       if (raised(error)) then
@@ -104,7 +109,8 @@ contains
       end if
       if (study%stopped) call complain("asked to stop: what was measured until then is written")
       if (.not. options%quiet) call show_file(out // "/cost.txt")
-      if (options%pictures) call draw_pictures(cost_pictures, out, options%quiet)
+      if (options%pictures) call draw_pictures(cost_pictures(:merge(4, 3, size(study%drift) > 0)), &
+         out, options%quiet)
       if (.not. options%quiet) call say("written to " // out)
       code = merge(exit_usage, exit_ok, code == exit_usage)
    end subroutine measure

@@ -50,6 +50,8 @@ contains
       select case (name)
       case ("run")
          call help_run()
+      case ("cost")
+         call help_cost()
       case ("methods")
          call put([character(100) :: &
             "poinsot methods", &
@@ -112,6 +114,37 @@ contains
          "the body frame. Interrupted (Ctrl-C), a run ends at the next step with all its files", &
          "readable and a restart; the summary says so, and the exit code is 1."])
    end subroutine help_run
+
+   subroutine help_cost()
+      call put([character(100) :: &
+         "poinsot cost SCENE [OPTIONS]", &
+         "", &
+         "Measures what accuracy costs in time on the scene's own bodies and effects: every", &
+         "method in every splitting over a range of steps, against a reference of known error.", &
+         "Errors are medians over many initial states, the scene's own and others like them.", &
+         "", &
+         "   --budget TIME          all of it takes no longer, as 60s or 2m (default 60s)", &
+         "   --methods A,B,C        these only (default all: poinsot methods)", &
+         "   --splittings A,B,C     these only (default all that the effects allow)", &
+         "   --tol 1e-3,1e-6        tolerances of the table (default 1e-3 to 1e-15)", &
+         "   --states N             initial states (default 64)", &
+         "   --spread ANGLE         how far they differ from the scene's own, in radians, or any", &
+         "                          (default 0.3; of free bodies any)", &
+         "   --sums plain           without compensated sums, which `poinsot run` has", &
+         "   --set GROUP.KEY=VALUE  a setting over the file's own, as in run", &
+         "   --out DIR              folder for the output (default poinsot-out/SCENE-cost)", &
+         "   --no-pictures          write the plot scripts, do not run gnuplot", &
+         "   --quiet                print errors only", &
+         "", &
+         "Output:", &
+         "   cost.txt          reference, the cheapest for each tolerance, orders and times", &
+         "   cost.csv          every point: errors, drift of energy, ns of a step", &
+         "   drift.csv         error of the energy against time in long runs", &
+         "   members.csv       initial states, and where the reference ends", &
+         "   attitude_cost, momentum_cost, attitude_step, energy_drift: pictures", &
+         "", &
+         "A thermostat is studied without its noise: two runs with noise are two samples."])
+   end subroutine help_cost
 
    subroutine put(lines)
       character(*), intent(in) :: lines(:)

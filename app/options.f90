@@ -13,7 +13,8 @@ module app_options
 
    !> What a study was asked for, as words; "" = not said.
    type :: study_options
-      character(:), allocatable :: scene, out, budget, methods, splittings, tol, spread, states, sums, rivals
+      character(:), allocatable :: scene, out, budget, methods, splittings, tol, spread, states, &
+         sums, rivals
       type(word), allocatable :: settings(:)   !! of --set
       logical :: quiet = .false., pictures = .true.
    end type study_options
@@ -37,7 +38,8 @@ contains
          name = words%at(i)%text
          if (.not. is_option(name)) then
             good = len(options%scene) == 0
-            if (.not. good) call complain(command // ": one scene at a time; '" // name // "' is a second one")
+            if (.not. good) call complain(command // ": one scene at a time; '" // name // &
+               "' is a second one")
             options%scene = name
             cycle
          end if
@@ -105,6 +107,8 @@ contains
          options%rivals = value
       case ("--set")
          call append_word(options%settings, value)
+      case default
+         return ! known options all have their case
       end select
    end subroutine take
 
@@ -139,7 +143,8 @@ contains
       good = outcome == number_ok
       if (good) good = value*unit >= 0.1_dp .and. value*unit <= 86400
       if (good) seconds = value*unit
-      if (.not. good) call complain(command // ": --budget " // text // " is not a time from 0.1 s to a day, " // &
+      if (.not. good) call complain(command // ": --budget " // text // &
+         " is not a time from 0.1 s to a day, " // &
                                     "as 60s or 2m")
    end subroutine seconds_of
 
@@ -160,7 +165,8 @@ contains
          if (good) good = outcome == number_ok
          if (good) good = values(i) >= least .and. values(i) <= most
       end do
-      if (.not. good) call complain(command // ": " // option // " " // text // " is not a list of numbers in range")
+      if (.not. good) call complain(command // ": " // option // " " // text // &
+         " is not a list of numbers in range")
    end subroutine numbers_in
 
    !> "a,b,c" as words.

@@ -9,16 +9,19 @@ module poinsot_study_candidates
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_scene_names, only: effect_table
-   use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_settings, only: scene_settings, body_group, random_thermal
    use poinsot_scene_text, only: quoted
-   use poinsot_splitting_registry, only: splitting_count, splitting_name, find_splitting, achieved_order
+   use poinsot_splitting_registry, only: splitting_count, splitting_name, find_splitting, &
+      achieved_order
    use poinsot_splitting_tableaux, only: splitting
    use poinsot_study_trial, only: make_plan
    implicit none(type, external)
    private
-   public :: candidate, scene_kind, look_at, quiet_scene, list_candidates, label_of, no_splitting
+   public :: candidate, scene_kind, look_at, quiet_scene, list_candidates, label_of, no_splitting, &
+      plan_splitting
 
    character(*), parameter :: no_splitting = "-" !! of scenes without kicks
+   character(24), parameter, public :: any_name(0) = "" !! instead of names: all that apply
 
    !> One way to turn the bodies.
    type :: candidate
@@ -69,8 +72,10 @@ contains
       end do
    end subroutine look_at
 
-   !> The scene without noise: a thermostat at temperature zero, that is its friction alone. Two runs
+   !> The scene without noise: a thermostat at temperature zero, that is its friction alone. Two
+   !> runs
    !> with noise and different steps are two samples, and have no distance that a step would shrink.
+   !> Bodies at rest, which only noise would move, begin with momenta of its temperature.
    subroutine quiet_scene(scene, quiet)
       type(scene_settings), intent(in) :: scene
       type(scene_settings), intent(out) :: quiet
@@ -79,12 +84,27 @@ contains
       do i = 1, size(quiet%effects)
          if (quiet%effects(i)%name /= "langevin") cycle
          do j = 1, size(quiet%effects(i)%settings)
-            if (quiet%effects(i)%settings(j)%key == "temperature") quiet%effects(i)%settings(j)%values = [0.0_dp]
+            if (quiet%effects(i)%settings(j)%key /= "temperature") cycle
+            call warm(quiet%effects(i)%settings(j)%values(1), quiet%bodies)
+            quiet%effects(i)%settings(j)%values = [0.0_dp]
          end do
       end do
    end subroutine quiet_scene
 
-   !> All candidates for a scene, or those of the methods and splittings named. A splitting that needs
+   !> Thermal momenta for groups at rest.
+   pure subroutine warm(temperature, bodies)
+      real(dp), intent(in) :: temperature
+      type(body_group), intent(inout) :: bodies(:)
+      integer :: i
+      do i = 1, size(bodies)
+         if (bodies(i)%random == random_thermal .or. maxval(abs(bodies(i)%y)) > 0) cycle
+         bodies(i)%random = random_thermal
+         bodies(i)%temperature = temperature
+      end do
+   end subroutine warm
+
+   !> All candidates for a scene, or those of the methods and splittings named. A splitting that
+   !> needs
    !> a force gradient which an effect does not have is left out; by name it is an error.
    subroutine list_candidates(scene, kind, methods, splittings, list, error)
       type(scene_settings), intent(in) :: scene
@@ -95,7 +115,8 @@ contains
       character(24), allocatable :: some_methods(:), some_splittings(:)
       integer :: i, j, n
       call method_choice(methods, some_methods, error)
-      if (.not. raised(error)) call splitting_choice(scene, kind, splittings, some_splittings, error)
+      if (.not. raised(error)) call splitting_choice(scene, kind, splittings, some_splittings, &
+         error)
       if (raised(error)) return
       allocate (list(size(some_methods)*size(some_splittings)))
       n = 0
@@ -180,10 +201,19 @@ contains
       integer :: i
       do i = 1, size(names)
          if (raised(error) .or. any(all == names(i))) cycle
-         call raise(error, poinsot_e_method, "unknown " // what // " " // quoted(trim(names(i))) // &
+         call raise(error, poinsot_e_method, "unknown " // what // " " // &
+            quoted(trim(names(i))) // &
                     "; the nearest known one is """ // nearest_name(trim(names(i)), all) // """")
       end do
    end subroutine check_known
+
+   !> A splitting for the plan, also where none is needed.
+   pure function plan_splitting(one) result(name)
+      type(candidate), intent(in) :: one
+      character(:), allocatable :: name
+      name = trim(one%splitting)
+      if (name == no_splitting) name = "srkn6"
+   end function plan_splitting
 
    !> "exact + srkn6", or the method alone.
    pure function label_of(one) result(text)

@@ -1,4 +1,5 @@
-!> A cost study as files: every point as CSV, the initial states and where they end, and the sentences
+!> A cost study as files: every point as CSV, the initial states and where they end, and the
+!> sentences
 !> that people read.
 module poinsot_study_cost_files
    use poinsot_core_kinds, only: dp, qp
@@ -10,10 +11,14 @@ module poinsot_study_cost_files
    use poinsot_scene_text, only: text_of
    use poinsot_study_candidates, only: label_of
    use poinsot_study_cost, only: cost_study, cost_request
-   use poinsot_study_cost_point, only: cost_point, cheapest, middle, worst, own, of_angle, of_momentum, of_both
+   use poinsot_study_cost_point, only: cost_point, cheapest, middle, worst, of_angle, of_momentum, &
+      of_both
+   use poinsot_study_efficient, only: frontier_part, frontier_parts
    implicit none(type, external)
    private
-   public :: write_points, write_members, write_report
+   public :: write_points, write_members, write_report, write_drift_rows
+
+   integer, parameter :: few = 24   !! so many candidates are all shown
 
    character(*), parameter :: columns = "method,splitting,order,turns,steps,h," // &
       "angle_median,angle_worst,angle_own,momentum_median,momentum_worst,momentum_own," // &
@@ -46,7 +51,8 @@ contains
       real(dp) :: numbers(20)
       integer :: i
       associate (one => study%candidates(p%candidate))
-         line = trim(one%method) // "," // trim(one%splitting) // "," // text_of(one%order) // "," // &
+         line = trim(one%method) // "," // trim(one%splitting) // "," // text_of(one%order) // &
+            "," // &
                 text_of(one%turns) // "," // text_of(p%steps) // "," // short(p%h)
       end associate
       numbers = [p%angle, p%momentum, p%energy, p%slope, p%ns, p%ns_least, p%ns_spread, p%single, &
@@ -86,7 +92,8 @@ contains
       if (raised(error)) return
       call put(file, "# scene " // scene%name // ", from t = 0 to " // text_of(study%t_end) // &
                "; reference: " // study%reference%how, error)
-      call put(file, "I1,I2,I3,y1,y2,y3,q0,q1,q2,q3,end_y1,end_y2,end_y3,end_q0,end_q1,end_q2,end_q3", error)
+      call put(file, &
+         "I1,I2,I3,y1,y2,y3,q0,q1,q2,q3,end_y1,end_y2,end_y3,end_q0,end_q1,end_q2,end_q3", error)
       do i = 1, study%members%n
          values(:10) = [scene%bodies(study%members%group(i))%moments, study%members%y(:, i), &
                         study%members%q(:, i)]
@@ -100,6 +107,26 @@ contains
       end do
       call finish_out(file, error)
    end subroutine write_members
+
+   !> drift.csv: error of the energy against time. Error: POINSOT_E_IO.
+   subroutine write_drift_rows(path, study, error)
+      character(*), intent(in) :: path
+      type(cost_study), intent(in) :: study
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      integer :: i
+      call open_out(path, file, error)
+      if (raised(error)) return
+      call put(file, "method,splitting,h,t,energy_median,energy_worst", error)
+      do i = 1, size(study%drift)
+         associate (r => study%drift(i), one => study%candidates(study%drift(i)%candidate))
+            call put(file, trim(one%method) // "," // trim(one%splitting) // "," // short(r%h) // &
+               "," // &
+                     short(r%t) // "," // short(r%median) // "," // short(r%worst), error)
+         end associate
+      end do
+      call finish_out(file, error)
+   end subroutine write_drift_rows
 
    !> cost.txt: what was done, and the cheapest for each tolerance.
    subroutine write_report(path, scene, request, study, tolerances, error)
@@ -117,16 +144,25 @@ contains
       call put(file, "states        " // text_of(study%members%n) // ", " // &
                text_of(study%members%own) // " of them the scene's own; the others " // &
                spread_text(request%spread), error)
-      if (study%kind%noisy) call put(file, "noise         off: the thermostat is at temperature 0, its " // &
-                                     "friction is kept; runs with noise are samples, not solutions", error)
-      if (study%kind%limit > 0) call put(file, "order         at most " // text_of(study%kind%limit) // &
-                                         ": the scene's drag or thermostat acts around the step", error)
+      if (study%kind%noisy) call put(file, &
+         "noise         off: the thermostat is at temperature 0, its " // &
+                                     "friction is kept; noise makes samples, not solutions", error)
+      if (study%kind%limit > 0) call put(file, "order         at most " // &
+         text_of(study%kind%limit) // &
+                                         ": the scene's drag or thermostat acts around the step", &
+                                            error)
       call put(file, "reference     " // study%reference%how, error)
       call put(file, "candidates    " // text_of(size(study%candidates)) // ", " // &
-               text_of(size(study%points)) // " points, " // brief_number(study%seconds) // " s of " // &
+               text_of(size(study%points)) // " points, " // brief_number(study%seconds) // &
+                  " s of " // &
                brief_number(request%budget), error)
       call put(file, "sums          " // trim(merge("compensated, as poinsot run has them", &
-                                                   "plain                               ", request%compensated)), error)
+                                                   "plain                               ", &
+                                                      request%compensated)), error)
+      if (.not. study%conserves) call put(file, &
+         "energy        is not kept by the scene: its error is the " // &
+                                          "distance from the reference, and no long run is made", &
+                                             error)
       call put_choices(file, study, tolerances, of_both, error)
       call put_curves(file, study, error)
       call finish_out(file, error)
@@ -149,9 +185,11 @@ contains
       character(150) :: line
       integer :: i, best, next
       call put(file, "", error)
-      call put(file, "cheapest for a tolerance (median over the states, the larger of attitude in radians and " // &
+      call put(file, &
+         "cheapest for a tolerance (median over states, the larger of attitude in radians and " // &
                "momentum)", error)
-      write (line, "(a9, 2x, a30, a11, 2a10, a12, 2x, a)") "tolerance", "method + splitting", "step", &
+      write (line, "(a9, 2x, a30, a11, 2a10, a12, 2x, a)") "tolerance", "method + splitting", &
+         "step", &
          "median", "worst", "ns per time", "runner-up (time)"
       call put(file, trim(line), error)
       do i = 1, size(tolerances)
@@ -160,14 +198,17 @@ contains
             call put(file, brief_number(tolerances(i)) // "      none of the candidates", error)
             cycle
          end if
-         next = cheapest(study%points, tolerances(i), what, middle, but=study%points(best)%candidate)
+         next = cheapest(study%points, tolerances(i), what, middle, &
+            but=study%points(best)%candidate)
          associate (p => study%points(best))
             write (line, "(es9.0e2, 2x, a30, es11.3, 2es10.1e2, f12.2)") tolerances(i), &
-               label_of(study%candidates(p%candidate)), p%h, max(p%angle(middle), p%momentum(middle)), &
+               label_of(study%candidates(p%candidate)), p%h, max(p%angle(middle), &
+                  p%momentum(middle)), &
                max(p%angle(worst), p%momentum(worst)), p%ns/p%h
          end associate
          if (next > 0) then
-            call put(file, trim(line) // "  " // label_of(study%candidates(study%points(next)%candidate)) // &
+            call put(file, trim(line) // "  " // &
+               label_of(study%candidates(study%points(next)%candidate)) // &
                      " (" // brief_number(study%points(next)%ns/study%points(next)%h) // ")", error)
          else
             call put(file, trim(line), error)
@@ -181,18 +222,25 @@ contains
       type(cost_study), intent(in) :: study
       type(poinsot_error), intent(inout) :: error
       character(150) :: line
-      real(dp) :: least(3), ns, spread, slope
+      type(frontier_part), allocatable :: parts(:)
+      real(dp) :: least(3), slope
       integer :: i, k, points
       call put(file, "", error)
-      call put(file, "each candidate: order it has and shows, least median errors, time of a step in an ensemble (half the " // &
-               "middle half of repetitions) and alone", error)
-      write (line, "(a30, 2a6, 3a10, a10, a9, a12)") "method + splitting", "order", "slope", "attitude", &
+      if (size(study%candidates) > few) call put(file, &
+         "the exact rotation in every splitting, and who is on " // &
+         "the frontier; all of them are in cost.csv", error)
+      call put(file, &
+         "order, slope shown, least median errors; ns of a body-step in an ensemble, their " // &
+               "spread, and of a body alone", error)
+      write (line, "(a30, 2a6, 3a10, a10, a9, a12)") "method + splitting", "order", "slope", &
+         "attitude", &
          "momentum", "energy", "ns", "spread", "ns alone"
       call put(file, trim(line), error)
+      call frontier_parts(study%points, size(study%candidates), of_both, parts)
       do i = 1, size(study%candidates)
+         if (size(study%candidates) > few .and. study%candidates(i)%method /= "exact" .and. &
+             .not. any(parts%candidate == i)) cycle
          least = huge(least)
-         ns = 0
-         spread = 0
          points = 0
          do k = 1, size(study%points)
             associate (p => study%points(k))
@@ -207,37 +255,37 @@ contains
          else
             call slope_of(study, i, slope)
             associate (p => study%points(points))
-               write (line, "(a30, i6, f6.1, 3es10.1e2, f10.2, i7, a2, f12.1)") label_of(study%candidates(i)), &
-                  study%candidates(i)%order, slope, least, p%ns, nint(100*p%ns_spread), " %", p%single
+               write (line, &
+                  "(a30, i6, f6.1, 3es10.1e2, f10.2, i7, a2, f12.1)") &
+                  label_of(study%candidates(i)), &
+                  study%candidates(i)%order, slope, least, p%ns, nint(100*p%ns_spread), " %", &
+                     p%single
             end associate
          end if
          call put(file, trim(line), error)
       end do
-      associate (unused => [of_angle, of_momentum, own], unused_2 => ns, unused_3 => spread)
-      end associate
    end subroutine put_curves
 
-   !> The steepest fall of the median attitude error between steps a factor 2 apart, clear of rounding.
+   !> Slope of the median attitude error between the two finest points clear of rounding.
    subroutine slope_of(study, candidate, slope)
       type(cost_study), intent(in) :: study
       integer, intent(in) :: candidate
       real(dp), intent(out) :: slope
-      real(dp) :: x(3), z(3), s
-      integer :: k, n
+      integer :: k, before, last
       slope = 0
-      n = 0
+      before = 0
+      last = 0
       do k = 1, size(study%points)
          associate (p => study%points(k))
             if (p%candidate /= candidate .or. .not. p%good) cycle
             if (p%angle(middle) > 0.03_dp .or. p%angle(middle) < 1e-13_dp) cycle
-            n = n + 1
-            x = [x(2:), log(p%h)]
-            z = [z(2:), log(p%angle(middle))]
-            if (n < 3) cycle
-            s = (z(3) - z(1))/(x(3) - x(1))
-            if (s > 0) slope = merge(s, max(slope, s), n == 3)
+            before = last
+            last = k
          end associate
       end do
+      if (before == 0) return
+      slope = log(study%points(before)%angle(middle)/study%points(last)%angle(middle))/ &
+              log(study%points(before)%h/study%points(last)%h)
    end subroutine slope_of
 
 end module poinsot_study_cost_files

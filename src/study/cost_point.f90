@@ -8,7 +8,8 @@ module poinsot_study_cost_point
    public :: cost_point, digest, frontier, cheapest, add_point, all_states, middle, worst, own
    public :: of_angle, of_momentum, of_both, error_of
 
-   integer, parameter :: middle = 1, worst = 2, own = 3 !! over all initial states; of the scene's own
+   integer, parameter :: middle = 1, worst = 2, own = 3 !! over all initial states; of the scene's
+      !! own
    integer, parameter :: all_states = 3
    integer, parameter :: of_angle = 1, of_momentum = 2, of_both = 3 !! the larger of the two
 
@@ -23,7 +24,7 @@ module poinsot_study_cost_point
       real(dp) :: energy(all_states) = 0     !! relative to the kinetic energy, largest over time
       real(dp) :: slope(all_states) = 0      !! drift of energy, the same per unit time
       real(dp) :: guess = 0                  !! ns per body-step while errors were measured
-      real(dp) :: ns = 0                     !! per body-step of an ensemble, median of the repetitions
+      real(dp) :: ns = 0 !! per body-step of an ensemble, median of the repetitions
       real(dp) :: ns_least = 0, ns_spread = 0 !! least; half the middle half, relative
       real(dp) :: single = 0                 !! the same of one body alone
       real(dp) :: single_spread = 0
@@ -85,7 +86,8 @@ contains
       end do
       do i = 1, size(points)
          points(i)%front(what) = points(i)%good .and. points(i)%ns > 0 .and. .not. &
-                                 any(points%good .and. points%ns > 0 .and. time <= time(i) .and. off <= off(i) &
+                                 any(points%good .and. points%ns > 0 .and. time <= time(i) .and. &
+                                    off <= off(i) &
                                      .and. (time < time(i) .or. off < off(i)))
       end do
    end subroutine frontier

@@ -20,7 +20,7 @@ module poinsot_study_errors
       real(dp), allocatable :: angle(:)      !! of the turn between the attitudes, radians
       real(dp), allocatable :: momentum(:)   !! |y - reference| relative to |reference|
       real(dp), allocatable :: energy(:)     !! largest over time, relative to the kinetic energy
-      real(dp), allocatable :: slope(:)      !! of the energy's error in time, relative, per unit time
+      real(dp), allocatable :: slope(:) !! of the energy's error in time, relative, per unit time
    end type body_errors
 
 contains
@@ -33,7 +33,8 @@ contains
       type(body_errors), intent(out) :: errors
       real(dp), allocatable :: off(:)
       integer :: i, k, looks, every
-      call compare_states(real(run%y, qp), real(run%q, qp), reference, errors%angle, errors%momentum)
+      call compare_states(real(run%y, qp), real(run%q, qp), reference, errors%angle, &
+         errors%momentum)
       allocate (errors%energy(size(run%y, 2)), errors%slope(size(run%y, 2)))
       looks = ubound(run%energy, 2)
       every = ubound(reference%energy, 2)/looks
@@ -41,7 +42,8 @@ contains
       do i = 1, size(errors%energy)
          do k = 0, looks
             off(k) = (run%energy(i, k) - reference%energy(i, min(k*every, &
-                                                              ubound(reference%energy, 2))))/reference%scale(i)
+                                                              ubound(reference%energy, &
+                                                                 2))))/reference%scale(i)
          end do
          errors%energy(i) = maxval(abs(off))
          errors%slope(i) = abs(line_slope(off))*looks/t_end

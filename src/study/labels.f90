@@ -3,10 +3,10 @@ module poinsot_study_labels
    use poinsot_core_kinds, only: dp
    implicit none(type, external)
    private
-   public :: label_list, axis, place_label, fraction_of
+   public :: label_list, axis, place_label, take_point, fraction_of
 
    integer, parameter :: most = 400
-   real(dp), parameter :: letter = 0.0088_dp, line_height = 0.030_dp
+   real(dp), parameter :: letter = 0.0112_dp, line_height = 0.030_dp
 
    !> A logarithmic axis from one end of the picture to the other.
    type :: axis
@@ -18,7 +18,8 @@ module poinsot_study_labels
       integer :: boxes = 0
       real(dp) :: box(4, most) = 0     !! left, right, bottom, top
       integer :: points = 0
-      real(dp) :: point(2, 4*most) = 0
+      real(dp) :: point(2, 20*most) = 0
+      integer :: curve = 0             !! that the last point belongs to
    end type label_list
 
 contains
@@ -30,6 +31,29 @@ contains
       part = log(max(value, 1e-300_dp)/scale%from)/log(scale%to/scale%from)
    end function fraction_of
 
+   !> A point of a curve, and the line to it from the one before.
+   pure subroutine take_point(list, x, y, curve)
+      type(label_list), intent(inout) :: list
+      real(dp), intent(in) :: x, y              !! fractions of the picture
+      integer, intent(in), optional :: curve    !! not 0; absent: no line
+      real(dp) :: from(2)
+      integer :: i, parts
+      parts = 1
+      from = 0
+      if (present(curve)) then
+         if (curve == list%curve .and. list%points > 0) then
+            parts = 6
+            from = list%point(:, list%points)
+         end if
+         list%curve = curve
+      end if
+      do i = 1, parts
+         if (list%points == size(list%point, 2)) return
+         list%points = list%points + 1
+         list%point(:, list%points) = from + ([x, y] - from)*real(i, dp)/parts
+      end do
+   end subroutine take_point
+
    !> A place near (x, y) for a text, its left middle; the first of a ring of places that touches no
    !> other label and the fewest points.
    pure subroutine place_label(list, x, y, length, at_x, at_y)
@@ -38,9 +62,12 @@ contains
       integer, intent(in) :: length           !! letters
       real(dp), intent(out) :: at_x, at_y
       real(dp), parameter :: ring(2, 16) = reshape([ &
-         0.012_dp, -0.03_dp, 0.015_dp, 0.0_dp, 0.012_dp, 0.03_dp, -1.012_dp, 0.03_dp, -1.015_dp, 0.0_dp, &
-         -1.012_dp, -0.03_dp, -0.5_dp, -0.045_dp, -0.5_dp, 0.045_dp, 0.02_dp, -0.06_dp, 0.02_dp, 0.06_dp, &
-         -1.02_dp, -0.06_dp, -1.02_dp, 0.06_dp, 0.03_dp, -0.1_dp, 0.03_dp, 0.1_dp, -1.03_dp, 0.1_dp, &
+         0.012_dp, -0.03_dp, 0.015_dp, 0.0_dp, 0.012_dp, 0.03_dp, -1.012_dp, 0.03_dp, -1.015_dp, &
+            0.0_dp, &
+         -1.012_dp, -0.03_dp, -0.5_dp, -0.045_dp, -0.5_dp, 0.045_dp, 0.02_dp, -0.06_dp, 0.02_dp, &
+            0.06_dp, &
+         -1.02_dp, -0.06_dp, -1.02_dp, 0.06_dp, 0.03_dp, -0.1_dp, 0.03_dp, 0.1_dp, -1.03_dp, &
+            0.1_dp, &
          -1.03_dp, -0.1_dp], [2, 16])
       real(dp) :: width, left, bottom, price, least
       integer :: i, best
@@ -61,7 +88,8 @@ contains
       end do
       if (list%boxes == most) return
       list%boxes = list%boxes + 1
-      list%box(:, list%boxes) = [at_x, at_x + width, at_y - 0.5_dp*line_height, at_y + 0.5_dp*line_height]
+      list%box(:, list%boxes) = [at_x, at_x + width, at_y - 0.5_dp*line_height, at_y + &
+         0.5_dp*line_height]
    end subroutine place_label
 
    !> How bad a box is.
@@ -70,11 +98,11 @@ contains
       real(dp), intent(in) :: left, right, bottom, top
       integer :: i
       penalty = 0
-      if (left < 0.005_dp .or. right > 1.005_dp .or. bottom < 0 .or. top > 1) penalty = 100
+      if (left < 0.005_dp .or. right > 1.005_dp .or. bottom < 0 .or. top > 1) penalty = 1000
       do i = 1, list%boxes
          if (right < list%box(1, i) .or. left > list%box(2, i)) cycle
          if (top < list%box(3, i) .or. bottom > list%box(4, i)) cycle
-         penalty = penalty + 20
+         penalty = penalty + 300
       end do
       do i = 1, list%points
          if (list%point(1, i) > left .and. list%point(1, i) < right .and. &

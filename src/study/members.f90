@@ -14,14 +14,15 @@ module poinsot_study_members
    private
    public :: member_set, draw_members, repeat_members, any_direction
 
-   real(dp), parameter :: any_direction = 4 !! a spread beyond pi: directions and attitudes are uniform
+   real(dp), parameter :: any_direction = 4 !! a spread beyond pi: directions and attitudes are
+      !! uniform
    real(dp), parameter :: speed_share = 0.05_dp !! momenta vary by this part, at spreads up to 1
 
    !> Initial states in the principal frame.
    type :: member_set
       integer :: n = 0                        !! bodies in all
       integer :: own = 0                      !! the first of them are the scene's own
-      integer :: together = 1                 !! bodies of one system: 1, or those that see each other
+      integer :: together = 1 !! bodies of one system: 1, or those that see each other
       integer(c_int), allocatable :: group(:) !! (n): which &bodies group, from 1
       real(dp), allocatable :: y(:, :)        !! (3, n): angular momenta
       real(dp), allocatable :: q(:, :)        !! (4, n): attitudes
@@ -29,9 +30,11 @@ module poinsot_study_members
 
 contains
 
-   !> The scene's bodies, or some of them if there are more than `wanted`; then copies of them turned
+   !> The scene's bodies, or some of them if there are more than `wanted`; then copies of them
+   !> turned
    !> by random angles up to `spread` until there are `wanted`. Where bodies see each other, whole
-   !> scenes are copied instead. Errors: POINSOT_E_MEMORY; POINSOT_E_SIZE for too many coupled bodies.
+   !> scenes are copied instead. Errors: POINSOT_E_MEMORY; POINSOT_E_SIZE for too many coupled
+   !> bodies.
    subroutine draw_members(scene, coupled, wanted, spread, members, error)
       type(scene_settings), intent(in) :: scene
       logical, intent(in) :: coupled            !! an effect couples the bodies
@@ -51,7 +54,9 @@ contains
       members%together = merge(first%n, 1, coupled)
       n = wanted
       if (coupled) n = first%n*min(4, max(1, wanted/first%n + 1))
-      allocate (members%group(n), members%y(3, n), members%q(4, n), stat=code)
+      allocate (members%group(n), stat=code)
+      if (code == 0) allocate (members%y(3, n), stat=code)
+      if (code == 0) allocate (members%q(4, n), stat=code)
       if (code /= 0) then
          call raise(error, poinsot_e_memory, "no memory for " // text_of(n) // " initial states")
          return

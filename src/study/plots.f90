@@ -13,7 +13,8 @@ module poinsot_study_plots
    integer, parameter, public :: strong = 8 !! curves that have colours of their own
 
    !> Okabe and Ito's colours, darkened where they are too pale on white, dark and light in turn.
-   character(7), parameter :: colours(strong) = ["#0b3c6f", "#d55e00", "#007a5a", "#b0539a", "#2f8fce", &
+   character(7), parameter :: colours(strong) = ["#0b3c6f", "#d55e00", "#007a5a", "#b0539a", &
+      "#2f8fce", &
                                                  "#8a6d00", "#000000", "#a00000"]
    integer, parameter :: shapes(strong) = [7, 5, 9, 13, 6, 4, 8, 12]
 
@@ -25,7 +26,8 @@ contains
       character(*), intent(in) :: name          !! of the picture
       integer, intent(in) :: width, height      !! points
       type(poinsot_error), intent(inout) :: error
-      call put(file, "# gnuplot plot_" // name // ".gp, in this folder, draws " // name // ".svg and " // &
+      call put(file, "# gnuplot plot_" // name // ".gp, in this folder, draws " // name // &
+         ".svg and " // &
                name // ".png", error)
       call put_lines(file, [character(100) :: &
          "set datafile separator ','", &
@@ -38,7 +40,8 @@ contains
                " dynamic background '#ffffff' font 'DejaVu Sans,12'", error)
       call put(file, "set output '" // name // ".svg'", error)
       call put(file, "} else {", error)
-      call put(file, "set terminal pngcairo size " // text_of(2*width) // "," // text_of(2*height) // &
+      call put(file, "set terminal pngcairo size " // text_of(2*width) // "," // &
+         text_of(2*height) // &
                " font 'DejaVu Sans,12' fontscale 2 linewidth 2 pointscale 2", error)
       call put(file, "set output '" // name // ".png'", error)
       call put(file, "}", error)

@@ -87,7 +87,8 @@ contains
    pure subroutine sum_series(body, y)
       type(sorted_body), intent(inout) :: body
       real(qp), intent(in) :: y(3)
-      real(qp) :: w(3), p2, r2, x, z, s(0:terms), c(0:terms), d(0:terms), ss, cc, dd, xs, zs, den
+      real(qp) :: w(3), p2, r2, x, z, s(0:terms), c(0:terms + 1), d(0:terms + 1), ss, cc, dd, xs, &
+         zs, den
       integer :: n
       w = y*body%inverse
       p2 = w(1)**2 + body%th*body%i(2)*body%inverse(1)*w(2)**2
@@ -102,13 +103,12 @@ contains
       d(0) = 1
       do n = 0, terms
          s(n) = folded(c, d, n)/(2*n + 1)
-         if (n == terms) exit
          c(n + 1) = -x*folded(s, d, n)/(2*n + 2)
          d(n + 1) = -z*folded(s, c, n)/(2*n + 2)
       end do
       ss = sum(s)
-      cc = sum(c)
-      dd = sum(d)
+      cc = sum(c(:terms))
+      dd = sum(d(:terms))
       xs = x*ss**2
       zs = z*ss**2
       den = 1 - xs*zs

@@ -32,7 +32,8 @@ contains
          allocate (carry(7, members%n))
          carry = 0
       end if
-      steps = max(1_i8, min(most, nint(min(seconds*1e9_dp/(max(guess, 0.1_dp)*members%n), 1e9_dp), i8)))
+      steps = max(1_i8, min(most, nint(min(seconds*1e9_dp/(max(guess, 0.1_dp)*members%n), 1e9_dp), &
+         i8)))
       begun = processor_seconds()
       call march(plan, members, h, 0_i8, steps, y, q, carry, good)
       ns = 1e9_dp*(processor_seconds() - begun)/(real(steps, dp)*members%n)

@@ -1,4 +1,5 @@
-!> One candidate at work: a scene's plan with a method and a splitting of the study's choice, run over
+!> One candidate at work: a scene's plan with a method and a splitting of the study's choice, run
+!> over
 !> the members with steps of one length.
 module poinsot_study_trial
    use, intrinsic :: iso_c_binding, only: c_int
@@ -15,7 +16,7 @@ module poinsot_study_trial
    use poinsot_study_members, only: member_set
    implicit none(type, external)
    private
-   public :: trial_run, make_plan, run_trial, march, most_checks
+   public :: trial_run, make_plan, run_trial, march, member_energies, most_checks
 
    integer, parameter :: most_checks = 16 !! looks at the energy between start and end
 
@@ -24,14 +25,16 @@ module poinsot_study_trial
       logical :: good = .false.              !! every body came through
       real(dp), allocatable :: y(:, :)       !! (3, n) at the end
       real(dp), allocatable :: q(:, :)       !! (4, n)
-      real(dp), allocatable :: energy(:, :)  !! (n, 0:checks), of a body, or of all that see each other
+      real(dp), allocatable :: energy(:, :) !! (n, 0:checks), of a body, or of all that see each
+         !! other
       real(dp), allocatable :: kinetic(:)    !! (n), at the start
       real(dp) :: seconds = 0                !! of the processor, energies included
    end type trial_run
 
 contains
 
-   !> The scene's plan with another method and splitting, on one thread. Error: what the plan refuses.
+   !> The scene's plan with another method and splitting, on one thread. Error: what the plan
+   !> refuses.
    subroutine make_plan(scene, method, splitting, plan, error)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: method, splitting
@@ -70,14 +73,16 @@ contains
          carry = 0
       end if
       begun = processor_seconds()
-      call take_energy(plan, members, 0.0_dp, run, run%energy(:, 0), run%kinetic)
+      call member_energies(plan, members, 0.0_dp, run%y, run%q, run%energy(:, 0), run%kinetic)
       done = 0
       do k = 1, looks
          next = k*steps/looks
-         call march(plan, members, t_end/real(steps, dp), done, next - done, run%y, run%q, carry, run%good)
+         call march(plan, members, t_end/real(steps, dp), done, next - done, run%y, run%q, carry, &
+            run%good)
          if (.not. run%good) exit
          done = next
-         call take_energy(plan, members, t_end*real(done, dp)/real(steps, dp), run, run%energy(:, k))
+         call member_energies(plan, members, t_end*real(done, dp)/real(steps, dp), run%y, run%q, &
+                              run%energy(:, k))
       end do
       run%seconds = processor_seconds() - begun
    end subroutine run_trial
@@ -92,7 +97,8 @@ contains
       common_divisor = 1
    end function common_divisor
 
-   !> Steps number first to first + steps - 1 of all systems. A carry that is not allocated: plain sums.
+   !> Steps number first to first + steps - 1 of all systems. A carry that is not allocated: plain
+   !> sums.
    subroutine march(plan, members, h, first, steps, y, q, carry, good)
       type(poinsot_plan), intent(in) :: plan
       type(member_set), intent(in) :: members
@@ -121,11 +127,11 @@ contains
    end subroutine march
 
    !> Energies of all bodies; those that see each other get their sum.
-   subroutine take_energy(plan, members, t, run, energy, kinetic)
+   subroutine member_energies(plan, members, t, y, q, energy, kinetic)
       type(poinsot_plan), intent(in) :: plan
       type(member_set), intent(in) :: members
       real(dp), intent(in) :: t
-      type(trial_run), intent(inout), target :: run
+      real(dp), intent(in), target :: y(:, :), q(:, :)
       real(dp), intent(out) :: energy(:)
       real(dp), intent(out), optional :: kinetic(:)
       type(body_view) :: view
@@ -138,7 +144,7 @@ contains
       do while (from <= members%n)
          to = members%n
          if (members%together > 1) to = from + members%together - 1
-         call view_rows(run%y(:, from:to), run%q(:, from:to), view)
+         call view_rows(y(:, from:to), q(:, from:to), view)
          view%body_class => group(from:to)
          call body_energies(plan, view, t, moving(from:to), lying(from:to), status, error)
          energy(from:to) = moving(from:to) + lying(from:to)
@@ -147,6 +153,6 @@ contains
          from = to + 1
       end do
       if (present(kinetic)) kinetic = moving
-   end subroutine take_energy
+   end subroutine member_energies
 
 end module poinsot_study_trial
