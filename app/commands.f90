@@ -8,6 +8,7 @@ module app_commands
    use app_version, only: show_version
    use app_run, only: command_run
    use app_cost, only: command_cost
+   use app_choose, only: command_choose
    use app_lists, only: command_methods, command_splittings, command_effects, command_scenes
    implicit none(type, external)
    private
@@ -69,6 +70,8 @@ contains
          call command_run(words, code)
       case ("cost")
          call command_cost(words, code)
+      case ("choose")
+         call command_choose(words, code)
       case ("methods")
          call command_methods(words, code)
       case ("splittings")

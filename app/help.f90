@@ -11,9 +11,10 @@ module app_help
       character(60) :: about
    end type command
 
-   type(command), parameter :: table(6) = [ &
+   type(command), parameter :: table(7) = [ &
       command("run", "run a scene: trajectory, summary, restart, pictures"), &
       command("cost", "what accuracy costs in time, on a scene"), &
+      command("choose", "the cheapest method and step that meet a tolerance"), &
       command("methods", "list the methods that turn a free body"), &
       command("splittings", "list the schemes that alternate kicks and turns"), &
       command("effects", "list the effects with their keys; or explain one"), &
@@ -52,6 +53,23 @@ contains
          call help_run()
       case ("cost")
          call help_cost()
+      case ("choose")
+         call put([character(100) :: &
+            "poinsot choose SCENE --tol 1e-8 [OPTIONS]", &
+            "", &
+            "Finds the cheapest method, splitting and step that meet a tolerance at the scene's end,", &
+            "on the scene's own bodies and on this machine, and writes the scene with it filled in.", &
+            "The tolerance is for the attitude, in radians, and for the momentum, over its size.", &
+            "", &
+            "   --tol TOL              the tolerance, 1e-15 to 1 (default &scene tol)", &
+            "   --out FILE             the scene written (default poinsot-out/SCENE-chosen.nml)", &
+            "   --budget TIME          all of it takes no longer, as 20s or 2m (default 20s)", &
+            "   --methods A,B,C        among these only", &
+            "   --splittings A,B,C     among these only", &
+            "   --quiet                print errors only", &
+            "", &
+            "A scene with method = 'auto' does the same when it starts, for &scene tol, and says in", &
+            "its summary and restart what it chose. Exit code 3: nothing meets the tolerance."])
       case ("methods")
          call put([character(100) :: &
             "poinsot methods", &

@@ -37,7 +37,7 @@ module poinsot_study_reference
 contains
 
    !> Solve for all members. Error: POINSOT_E_CONVERGENCE if no step gives a solution in the time.
-   subroutine find_reference(scene, kind, members, t_end, checks, seconds, reference, error)
+   subroutine find_reference(scene, kind, members, t_end, checks, seconds, reference, error, enough)
       type(scene_settings), intent(in) :: scene      !! without noise
       type(scene_kind), intent(in) :: kind
       type(member_set), intent(in) :: members
@@ -46,10 +46,14 @@ contains
       real(dp), intent(in) :: seconds                !! budget
       type(reference_solution), intent(out) :: reference
       type(poinsot_error), intent(inout) :: error
+      real(dp), intent(in), optional :: enough       !! an error small enough; absent: rounding alone
+      real(dp) :: target_error
+      target_error = 0
+      if (present(enough)) target_error = enough
       if (kind%free) then
          call solve_free(scene, members, t_end, checks, reference, error)
       else
-         call solve_forced(scene, kind, members, t_end, checks, seconds, reference, error)
+         call solve_forced(scene, kind, members, t_end, checks, seconds, target_error, reference, error)
       end if
    end subroutine find_reference
 
@@ -103,13 +107,13 @@ contains
    end function positive
 
    !> Two schemes, finer and finer.
-   subroutine solve_forced(scene, kind, members, t_end, checks, seconds, reference, error)
+   subroutine solve_forced(scene, kind, members, t_end, checks, seconds, enough, reference, error)
       type(scene_settings), intent(in) :: scene
       type(scene_kind), intent(in) :: kind
       type(member_set), intent(in) :: members
       real(dp), intent(in) :: t_end
       integer, intent(in) :: checks
-      real(dp), intent(in) :: seconds
+      real(dp), intent(in) :: seconds, enough
       type(reference_solution), intent(inout) :: reference
       type(poinsot_error), intent(inout) :: error
       type(candidate), allocatable :: list(:)
@@ -120,10 +124,10 @@ contains
       call list_candidates(scene, kind, [character(24) :: "exact"], any_name, list, error)
       if (raised(error)) return
       call two_best(list, best, other)
-      call refine(scene, kind, best, members, t_end, checks, 0.5_dp*seconds, reference%state, &
+      call refine(scene, kind, best, members, t_end, checks, 0.5_dp*seconds, enough, reference%state, &
                   steps(1), change(1), error)
       if (.not. raised(error)) call refine(scene, kind, other, members, t_end, checks, &
-         0.5_dp*seconds, &
+         0.5_dp*seconds, enough, &
                                            second, steps(2), change(2), error)
       if (raised(error)) return
       call compare_states(second%y, second%q, reference%state, reference%angle, reference%momentum)
@@ -172,12 +176,12 @@ contains
    end function rank
 
    !> One scheme with steps halved until the change stops shrinking.
-   subroutine refine(scene, kind, one, members, t_end, checks, seconds, state, steps, change, error)
+   subroutine refine(scene, kind, one, members, t_end, checks, seconds, enough, state, steps, change, error)
       type(scene_settings), intent(in) :: scene
       type(scene_kind), intent(in) :: kind
       type(candidate), intent(in) :: one
       type(member_set), intent(in) :: members
-      real(dp), intent(in) :: t_end, seconds
+      real(dp), intent(in) :: t_end, seconds, enough
       integer, intent(in) :: checks
       type(end_state), intent(out) :: state
       integer(i8), intent(out) :: steps            !! of the solution taken
@@ -220,7 +224,7 @@ contains
             else
                worse = worse + 1
             end if
-            if (worse >= 2 .and. change < 1e-9_dp) exit
+            if (worse >= 2 .and. change < 1e-9_dp .or. change < enough) exit
          end if
          row = row + 1
          last = table
