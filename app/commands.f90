@@ -7,6 +7,8 @@ module app_commands
    use app_terminal, only: complain
    use app_version, only: show_version
    use app_run, only: command_run
+   use app_cost, only: command_cost
+   use app_choose, only: command_choose
    use app_lists, only: command_methods, command_splittings, command_effects, command_scenes
    implicit none(type, external)
    private
@@ -66,6 +68,10 @@ contains
       select case (name)
       case ("run")
          call command_run(words, code)
+      case ("cost")
+         call command_cost(words, code)
+      case ("choose")
+         call command_choose(words, code)
       case ("methods")
          call command_methods(words, code)
       case ("splittings")

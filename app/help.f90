@@ -11,8 +11,10 @@ module app_help
       character(60) :: about
    end type command
 
-   type(command), parameter :: table(5) = [ &
+   type(command), parameter :: table(7) = [ &
       command("run", "run a scene: trajectory, summary, restart, pictures"), &
+      command("cost", "what accuracy costs in time, on a scene"), &
+      command("choose", "the cheapest method and step that meet a tolerance"), &
       command("methods", "list the methods that turn a free body"), &
       command("splittings", "list the schemes that alternate kicks and turns"), &
       command("effects", "list the effects with their keys; or explain one"), &
@@ -49,6 +51,25 @@ contains
       select case (name)
       case ("run")
          call help_run()
+      case ("cost")
+         call help_cost()
+      case ("choose")
+         call put([character(100) :: &
+            "poinsot choose SCENE --tol 1e-8 [OPTIONS]", &
+            "", &
+            "Finds the cheapest method, splitting and step that meet a tolerance at the scene's end,", &
+            "on the scene's own bodies and on this machine, and writes the scene with it filled in.", &
+            "The tolerance is for the attitude, in radians, and for the momentum, over its size.", &
+            "", &
+            "   --tol TOL              the tolerance, 1e-15 to 1 (default &scene tol)", &
+            "   --out FILE             the scene written (default poinsot-out/SCENE-chosen.nml)", &
+            "   --budget TIME          all of it takes no longer, as 20s or 2m (default 20s)", &
+            "   --methods A,B,C        among these only", &
+            "   --splittings A,B,C     among these only", &
+            "   --quiet                print errors only", &
+            "", &
+            "A scene with method = 'auto' does the same when it starts, for &scene tol, and says in", &
+            "its summary and restart what it chose. Exit code 3: nothing meets the tolerance."])
       case ("methods")
          call put([character(100) :: &
             "poinsot methods", &
@@ -111,6 +132,37 @@ contains
          "the body frame. Interrupted (Ctrl-C), a run ends at the next step with all its files", &
          "readable and a restart; the summary says so, and the exit code is 1."])
    end subroutine help_run
+
+   subroutine help_cost()
+      call put([character(100) :: &
+         "poinsot cost SCENE [OPTIONS]", &
+         "", &
+         "Measures what accuracy costs in time on the scene's own bodies and effects: every", &
+         "method in every splitting over a range of steps, against a reference of known error.", &
+         "Errors are medians over many initial states, the scene's own and others like them.", &
+         "", &
+         "   --budget TIME          all of it takes no longer, as 60s or 2m (default 60s)", &
+         "   --methods A,B,C        these only (default all: poinsot methods)", &
+         "   --splittings A,B,C     these only (default all that the effects allow)", &
+         "   --tol 1e-3,1e-6        tolerances of the table (default 1e-3 to 1e-15)", &
+         "   --states N             initial states (default 64)", &
+         "   --spread ANGLE         how far they differ from the scene's own, in radians, or any", &
+         "                          (default 0.3; of free bodies any)", &
+         "   --sums plain           without compensated sums, which `poinsot run` has", &
+         "   --set GROUP.KEY=VALUE  a setting over the file's own, as in run", &
+         "   --out DIR              folder for the output (default poinsot-out/SCENE-cost)", &
+         "   --no-pictures          write the plot scripts, do not run gnuplot", &
+         "   --quiet                print errors only", &
+         "", &
+         "Output:", &
+         "   cost.txt          reference, the cheapest for each tolerance, orders and times", &
+         "   cost.csv          every point: errors, drift of energy, ns of a step", &
+         "   drift.csv         error of the energy against time in long runs", &
+         "   members.csv       initial states, and where the reference ends", &
+         "   attitude_cost, momentum_cost, attitude_step, energy_drift: pictures", &
+         "", &
+         "A thermostat is studied without its noise: two runs with noise are two samples."])
+   end subroutine help_cost
 
    subroutine put(lines)
       character(*), intent(in) :: lines(:)

@@ -17,6 +17,7 @@ program check_poinsot
    use test_rotation, only: collect_rotation
    use test_scene, only: collect_scene
    use test_splitting, only: collect_splitting
+   use test_study, only: collect_study
    implicit none(type, external)
 
    type(testsuite_type), allocatable :: suites(:)
@@ -35,7 +36,8 @@ program check_poinsot
       new_testsuite("effect", collect_effect), &
       new_testsuite("splitting", collect_splitting), &
       new_testsuite("ensemble", collect_ensemble), &
-      new_testsuite("scene", collect_scene)]
+      new_testsuite("scene", collect_scene), &
+      new_testsuite("study", collect_study)]
    first = 1
    call get_argument(first, suite)
    if (allocated(suite)) then

@@ -1,0 +1,92 @@
+!> poinsot choose
+module app_choose
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_status, only: poinsot_e_convergence
+   use poinsot_scene_files, only: make_folder
+   use poinsot_scene_settings, only: scene_settings
+   use poinsot_study_choose, only: choose_request, choice, choose_method
+   use poinsot_study_choose_text, only: choice_lines, write_chosen_scene
+   use poinsot_study_fill_scene, only: text_line
+   use app_arguments, only: word_list
+   use app_codes, only: exit_ok, exit_usage, exit_numerical, exit_of_run
+   use app_options, only: study_options, read_study_options, seconds_of, numbers_in, names_in
+   use app_progress, only: progress_watch
+   use app_run, only: load_scene
+   use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
+   implicit none(type, external)
+   private
+   public :: command_choose
+
+   character(13), parameter :: known(6) = [character(13) :: "--tol", "--out", "--budget", &
+                                           "--methods", "--splittings", "--quiet"]
+
+contains
+
+   !> The command.
+   subroutine command_choose(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      type(study_options) :: options
+      type(scene_settings) :: scene
+      type(choose_request) :: request
+      real(dp), allocatable :: tol(:)
+      logical :: good
+      code = exit_usage
+      call read_study_options("choose", words, known, options, good)
+      if (.not. good) return
+      call names_in(options%methods, request%methods)
+      call names_in(options%splittings, request%splittings)
+      if (options%budget /= "") call seconds_of("choose", options%budget, request%budget, good)
+      if (good .and. options%tol /= "") call numbers_in("choose", "--tol", options%tol, 1e-15_dp, &
+                                                       1.0_dp, tol, good)
+      if (.not. good) return
+      call load_scene(options%scene, options%settings, scene, good)
+      if (.not. good) return
+      request%tol = scene%tol
+      if (allocated(tol)) request%tol = tol(1)
+      call search(scene, options, request, code)
+   end subroutine command_choose
+
+   !> Choose, say it, write it.
+   subroutine search(scene, options, request, code)
+      type(scene_settings), intent(in) :: scene
+      type(study_options), intent(in) :: options
+      type(choose_request), intent(in) :: request
+      integer, intent(out) :: code
+      type(progress_watch) :: watch
+      type(choice) :: answer
+      type(text_line), allocatable :: lines(:)
+      type(poinsot_error) :: error
+      character(:), allocatable :: out
+      integer :: i
+      watch%shown = error_is_terminal() .and. .not. options%quiet
+      call catch_interrupts()
+      call choose_method(scene, request, watch, answer, error)
+      call watch%wipe()
+      code = exit_of_run(error%code)
+      if (error%code == poinsot_e_convergence) code = exit_numerical
+      if (raised(error)) then
+         call complain(error%message)
+         return
+      end if
+      call choice_lines(scene, request%tol, answer, lines)
+      do i = 1, size(lines)
+         if (.not. options%quiet) call say(lines(i)%text)
+      end do
+      out = options%out
+      if (len(out) == 0) then
+         out = "poinsot-out/" // scene%name // "-chosen.nml"
+         call make_folder("poinsot-out", error)
+      end if
+      if (.not. raised(error)) call write_chosen_scene(scene, out, request%tol, answer, error)
+      code = exit_of_run(error%code)
+      if (raised(error)) then
+         call complain(error%message)
+      else if (.not. options%quiet) then
+         call say("written to  " // out // "; poinsot run " // out // " runs it")
+      end if
+      code = merge(exit_ok, code, .not. raised(error))
+   end subroutine search
+
+end module app_choose

@@ -1,0 +1,50 @@
+!> Pictures by gnuplot, and text files on the terminal.
+module app_draw
+   use poinsot_scene_text, only: escaped
+   use app_terminal, only: say, complain
+   implicit none(type, external)
+   private
+   public :: draw_pictures, show_file
+
+contains
+
+   !> Draw plot_NAME.gp of a folder, where gnuplot is found; what it has to say goes to gnuplot.log.
+   subroutine draw_pictures(names, out, quiet)
+      character(*), intent(in) :: names(:), out
+      logical, intent(in) :: quiet
+      integer :: i, state, code
+      call execute_command_line("gnuplot --version >/dev/null 2>&1", exitstat=state, cmdstat=code)
+      if (state /= 0 .or. code /= 0) then
+         if (.not. quiet) call say("gnuplot is not here; plot_*.gp draw the pictures where it is")
+         return
+      end if
+      do i = 1, size(names)
+         call execute_command_line("cd " // escaped(out) // " && gnuplot plot_" // &
+            trim(names(i)) // &
+                                   ".gp >gnuplot.log 2>&1 && rm -f gnuplot.log", exitstat=state, &
+                                      cmdstat=code)
+         if (state /= 0 .or. code /= 0) then
+            call complain("gnuplot failed on plot_" // trim(names(i)) // &
+               ".gp; see gnuplot.log beside it")
+         else if (.not. quiet) then
+            call say("picture   " // trim(names(i)) // ".svg, " // trim(names(i)) // ".png")
+         end if
+      end do
+   end subroutine draw_pictures
+
+   !> A text file on standard output.
+   subroutine show_file(file)
+      character(*), intent(in) :: file
+      character(400) :: line
+      integer :: unit, code
+      open (newunit=unit, file=file, action="read", status="old", iostat=code)
+      if (code /= 0) return
+      do
+         read (unit, "(a)", iostat=code) line
+         if (code /= 0) exit
+         call say(trim(line))
+      end do
+      close (unit)
+   end subroutine show_file
+
+end module app_draw

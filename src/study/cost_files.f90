@@ -1,0 +1,291 @@
+!> A cost study as files: every point as CSV, the initial states and where they end, and the
+!> sentences
+!> that people read.
+module poinsot_study_cost_files
+   use poinsot_core_kinds, only: dp, qp
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_version, only: version_text
+   use poinsot_scene_files, only: out_file, open_out, put, finish_out
+   use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_summary, only: brief_number
+   use poinsot_scene_text, only: text_of
+   use poinsot_study_candidates, only: label_of
+   use poinsot_study_cost, only: cost_study, cost_request
+   use poinsot_study_cost_point, only: cost_point, cheapest, middle, worst, of_angle, of_momentum, &
+      of_both
+   use poinsot_study_efficient, only: frontier_part, frontier_parts
+   implicit none(type, external)
+   private
+   public :: write_points, write_members, write_report, write_drift_rows
+
+   integer, parameter :: few = 24   !! so many candidates are all shown
+
+   character(*), parameter :: columns = "method,splitting,order,turns,steps,h," // &
+      "angle_median,angle_worst,angle_own,momentum_median,momentum_worst,momentum_own," // &
+      "energy_median,energy_worst,energy_own,drift_median,drift_worst,drift_own," // &
+      "ns_per_step,ns_least,ns_spread,single_ns_per_step,single_spread,repeats," // &
+      "ns_per_time,single_ns_per_time,good,front_angle,front_momentum"
+
+contains
+
+   !> cost.csv: one line a point. Error: POINSOT_E_IO.
+   subroutine write_points(path, study, error)
+      character(*), intent(in) :: path
+      type(cost_study), intent(in) :: study
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      integer :: i
+      call open_out(path, file, error)
+      if (raised(error)) return
+      call put(file, columns, error)
+      do i = 1, size(study%points)
+         call put(file, line_of(study, study%points(i)), error)
+      end do
+      call finish_out(file, error)
+   end subroutine write_points
+
+   function line_of(study, p) result(line)
+      type(cost_study), intent(in) :: study
+      type(cost_point), intent(in) :: p
+      character(:), allocatable :: line
+      real(dp) :: numbers(20)
+      integer :: i
+      associate (one => study%candidates(p%candidate))
+         line = trim(one%method) // "," // trim(one%splitting) // "," // text_of(one%order) // &
+            "," // &
+                text_of(one%turns) // "," // text_of(p%steps) // "," // short(p%h)
+      end associate
+      numbers = [p%angle, p%momentum, p%energy, p%slope, p%ns, p%ns_least, p%ns_spread, p%single, &
+                 p%single_spread, real(p%repeats, dp), p%ns/p%h, p%single/p%h]
+      do i = 1, size(numbers)
+         line = line // "," // short(numbers(i))
+      end do
+      line = line // "," // flag(p%good) // "," // flag(p%front(of_angle)) // "," // &
+             flag(p%front(of_momentum))
+   end function line_of
+
+   pure function short(x) result(text)
+      real(dp), intent(in) :: x
+      character(:), allocatable :: text
+      character(16) :: buffer
+      write (buffer, "(es11.4e3)") x
+      text = trim(adjustl(buffer))
+   end function short
+
+   pure character function flag(is)
+      logical, intent(in) :: is
+      flag = merge("1", "0", is)
+   end function flag
+
+   !> members.csv: where every body begins and, as the reference says, ends; 17 digits.
+   subroutine write_members(path, scene, study, error)
+      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene
+      type(cost_study), intent(in) :: study
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      character(24) :: numbers(17)
+      character(:), allocatable :: line
+      real(qp) :: values(17)
+      integer :: i, j
+      call open_out(path, file, error)
+      if (raised(error)) return
+      call put(file, "# scene " // scene%name // ", from t = 0 to " // text_of(study%t_end) // &
+               "; reference: " // study%reference%how, error)
+      call put(file, &
+         "I1,I2,I3,y1,y2,y3,q0,q1,q2,q3,end_y1,end_y2,end_y3,end_q0,end_q1,end_q2,end_q3", error)
+      do i = 1, study%members%n
+         values(:10) = [scene%bodies(study%members%group(i))%moments, study%members%y(:, i), &
+                        study%members%q(:, i)]
+         values(11:) = [study%reference%state%y(:, i), study%reference%state%q(:, i)]
+         write (numbers, "(es24.16e3)") values
+         line = trim(adjustl(numbers(1)))
+         do j = 2, size(numbers)
+            line = line // "," // trim(adjustl(numbers(j)))
+         end do
+         call put(file, line, error)
+      end do
+      call finish_out(file, error)
+   end subroutine write_members
+
+   !> drift.csv: error of the energy against time. Error: POINSOT_E_IO.
+   subroutine write_drift_rows(path, study, error)
+      character(*), intent(in) :: path
+      type(cost_study), intent(in) :: study
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      integer :: i
+      call open_out(path, file, error)
+      if (raised(error)) return
+      call put(file, "method,splitting,h,t,energy_median,energy_worst", error)
+      do i = 1, size(study%drift)
+         associate (r => study%drift(i), one => study%candidates(study%drift(i)%candidate))
+            call put(file, trim(one%method) // "," // trim(one%splitting) // "," // short(r%h) // &
+               "," // &
+                     short(r%t) // "," // short(r%median) // "," // short(r%worst), error)
+         end associate
+      end do
+      call finish_out(file, error)
+   end subroutine write_drift_rows
+
+   !> cost.txt: what was done, and the cheapest for each tolerance.
+   subroutine write_report(path, scene, request, study, tolerances, error)
+      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene
+      type(cost_request), intent(in) :: request
+      type(cost_study), intent(in) :: study
+      real(dp), intent(in) :: tolerances(:)
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      call open_out(path, file, error)
+      if (raised(error)) return
+      call put(file, "scene         " // scene%name // " to t = " // text_of(study%t_end) // &
+               ", poinsot " // version_text, error)
+      call put(file, "states        " // text_of(study%members%n) // ", " // &
+               text_of(study%members%own) // " of them the scene's own; the others " // &
+               spread_text(request%spread), error)
+      if (study%kind%noisy) call put(file, &
+         "noise         off: the thermostat is at temperature 0, its " // &
+                                     "friction is kept; noise makes samples, not solutions", error)
+      if (study%kind%limit > 0) call put(file, "order         at most " // &
+         text_of(study%kind%limit) // &
+                                         ": the scene's drag or thermostat acts around the step", &
+                                            error)
+      call put(file, "reference     " // study%reference%how, error)
+      call put(file, "candidates    " // text_of(size(study%candidates)) // ", " // &
+               text_of(size(study%points)) // " points, " // brief_number(study%seconds) // &
+                  " s of " // &
+               brief_number(request%budget), error)
+      call put(file, "sums          " // trim(merge("compensated, as poinsot run has them", &
+                                                   "plain                               ", &
+                                                      request%compensated)), error)
+      if (.not. study%conserves) call put(file, &
+         "energy        is not kept by the scene: its error is the " // &
+                                          "distance from the reference, and no long run is made", &
+                                             error)
+      call put_choices(file, study, tolerances, of_both, error)
+      call put_curves(file, study, error)
+      call finish_out(file, error)
+   end subroutine write_report
+
+   function spread_text(spread) result(text)
+      real(dp), intent(in) :: spread
+      character(:), allocatable :: text
+      text = "turned by up to " // brief_number(spread) // " rad, each its own way"
+      if (spread > 3.2_dp) text = "of any direction, uniform"
+   end function spread_text
+
+   !> Tolerances against candidates.
+   subroutine put_choices(file, study, tolerances, what, error)
+      type(out_file), intent(in) :: file
+      type(cost_study), intent(in) :: study
+      real(dp), intent(in) :: tolerances(:)
+      integer, intent(in) :: what
+      type(poinsot_error), intent(inout) :: error
+      character(150) :: line
+      integer :: i, best, next
+      call put(file, "", error)
+      call put(file, &
+         "cheapest for a tolerance (median over states, the larger of attitude in radians and " // &
+               "momentum)", error)
+      write (line, "(a9, 2x, a30, a11, 2a10, a12, 2x, a)") "tolerance", "method + splitting", &
+         "step", &
+         "median", "worst", "ns per time", "runner-up (time)"
+      call put(file, trim(line), error)
+      do i = 1, size(tolerances)
+         best = cheapest(study%points, tolerances(i), what, middle)
+         if (best == 0) then
+            call put(file, brief_number(tolerances(i)) // "      none of the candidates", error)
+            cycle
+         end if
+         next = cheapest(study%points, tolerances(i), what, middle, &
+            but=study%points(best)%candidate)
+         associate (p => study%points(best))
+            write (line, "(es9.0e2, 2x, a30, es11.3, 2es10.1e2, f12.2)") tolerances(i), &
+               label_of(study%candidates(p%candidate)), p%h, max(p%angle(middle), &
+                  p%momentum(middle)), &
+               max(p%angle(worst), p%momentum(worst)), p%ns/p%h
+         end associate
+         if (next > 0) then
+            call put(file, trim(line) // "  " // &
+               label_of(study%candidates(study%points(next)%candidate)) // &
+                     " (" // brief_number(study%points(next)%ns/study%points(next)%h) // ")", error)
+         else
+            call put(file, trim(line), error)
+         end if
+      end do
+   end subroutine put_choices
+
+   !> The best that each candidate reaches.
+   subroutine put_curves(file, study, error)
+      type(out_file), intent(in) :: file
+      type(cost_study), intent(in) :: study
+      type(poinsot_error), intent(inout) :: error
+      character(150) :: line
+      type(frontier_part), allocatable :: parts(:)
+      real(dp) :: least(3), slope
+      integer :: i, k, points
+      call put(file, "", error)
+      if (size(study%candidates) > few) call put(file, &
+         "the exact rotation in every splitting, and who is on " // &
+         "the frontier; all of them are in cost.csv", error)
+      call put(file, &
+         "order, slope shown, least median errors; ns of a body-step in an ensemble, their " // &
+               "spread, and of a body alone", error)
+      write (line, "(a30, 2a6, 3a10, a10, a9, a12)") "method + splitting", "order", "slope", &
+         "attitude", &
+         "momentum", "energy", "ns", "spread", "ns alone"
+      call put(file, trim(line), error)
+      call frontier_parts(study%points, size(study%candidates), of_both, parts)
+      do i = 1, size(study%candidates)
+         if (size(study%candidates) > few .and. study%candidates(i)%method /= "exact" .and. &
+             .not. any(parts%candidate == i)) cycle
+         least = huge(least)
+         points = 0
+         do k = 1, size(study%points)
+            associate (p => study%points(k))
+               if (p%candidate /= i .or. .not. p%good) cycle
+               least = min(least, [p%angle(middle), p%momentum(middle), p%energy(middle)])
+               points = k
+            end associate
+         end do
+         if (points == 0) then
+            write (line, "(a30, i6, a)") label_of(study%candidates(i)), study%candidates(i)%order, &
+               "  no step was short enough"
+         else
+            call slope_of(study, i, slope)
+            associate (p => study%points(points))
+               write (line, &
+                  "(a30, i6, f6.1, 3es10.1e2, f10.2, i7, a2, f12.1)") &
+                  label_of(study%candidates(i)), &
+                  study%candidates(i)%order, slope, least, p%ns, nint(100*p%ns_spread), " %", &
+                     p%single
+            end associate
+         end if
+         call put(file, trim(line), error)
+      end do
+   end subroutine put_curves
+
+   !> Slope of the median attitude error between the two finest points clear of rounding.
+   subroutine slope_of(study, candidate, slope)
+      type(cost_study), intent(in) :: study
+      integer, intent(in) :: candidate
+      real(dp), intent(out) :: slope
+      integer :: k, before, last
+      slope = 0
+      before = 0
+      last = 0
+      do k = 1, size(study%points)
+         associate (p => study%points(k))
+            if (p%candidate /= candidate .or. .not. p%good) cycle
+            if (p%angle(middle) > 0.03_dp .or. p%angle(middle) < 1e-13_dp) cycle
+            before = last
+            last = k
+         end associate
+      end do
+      if (before == 0) return
+      slope = log(study%points(before)%angle(middle)/study%points(last)%angle(middle))/ &
+              log(study%points(before)%h/study%points(last)%h)
+   end subroutine slope_of
+
+end module poinsot_study_cost_files

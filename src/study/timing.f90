@@ -1,0 +1,43 @@
+!> Time of a step, measured on a machine that others use too: short runs of many candidates in turn,
+!> so that what disturbs one disturbs all; median, least and spread of the repetitions.
+module poinsot_study_timing
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_ensemble_plan, only: poinsot_plan
+   use poinsot_study_clock, only: processor_seconds
+   use poinsot_study_members, only: member_set
+   use poinsot_study_trial, only: march
+   implicit none(type, external)
+   private
+   public :: time_steps
+
+contains
+
+   !> ns per body-step of one run of about `seconds`, on one thread; 0 if a body failed.
+   subroutine time_steps(plan, members, h, guess, seconds, most, compensated, ns)
+      type(poinsot_plan), intent(in) :: plan
+      type(member_set), intent(in) :: members   !! the ensemble
+      real(dp), intent(in) :: h
+      real(dp), intent(in) :: guess             !! what a body-step may take, ns
+      real(dp), intent(in) :: seconds
+      integer(i8), intent(in) :: most           !! steps
+      logical, intent(in) :: compensated
+      real(dp), intent(out) :: ns
+      real(dp), allocatable :: y(:, :), q(:, :), carry(:, :)
+      real(dp) :: begun
+      integer(i8) :: steps
+      logical :: good
+      y = members%y
+      q = members%q
+      if (compensated) then
+         allocate (carry(7, members%n))
+         carry = 0
+      end if
+      steps = max(1_i8, min(most, nint(min(seconds*1e9_dp/(max(guess, 0.1_dp)*members%n), 1e9_dp), &
+         i8)))
+      begun = processor_seconds()
+      call march(plan, members, h, 0_i8, steps, y, q, carry, good)
+      ns = 1e9_dp*(processor_seconds() - begun)/(real(steps, dp)*members%n)
+      if (.not. good) ns = 0
+   end subroutine time_steps
+
+end module poinsot_study_timing

@@ -1,0 +1,335 @@
+!> Studies: the references, the errors they measure, candidates, labels and frontiers. Errors only;
+!> no test is about time.
+module test_study
+   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
+   use poinsot_core_kinds, only: dp, i8, qp
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_scene_build, only: build_scene
+   use poinsot_scene_override, only: override
+   use poinsot_scene_reader, only: read_source
+   use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_source, only: scene_source
+   use poinsot_scene_watch, only: run_watch
+   use poinsot_study_candidates, only: candidate, scene_kind, look_at, list_candidates, &
+      quiet_scene, any_name
+   use poinsot_study_cost, only: cost_request, cost_study, study_cost
+   use poinsot_study_cost_point, only: cost_point, frontier, cheapest, middle, worst, of_angle, &
+      of_both
+   use poinsot_study_efficient, only: frontier_part, frontier_parts
+   use poinsot_study_errors, only: attitude_error
+   use poinsot_study_members, only: member_set, draw_members, any_direction
+   use poinsot_study_quadruple, only: turn_freely
+   use poinsot_study_statistics, only: median, quantile, line_slope
+   implicit none(type, external)
+   private
+   public :: collect_study, open_scene, as_it_is
+
+   character(40), parameter :: as_it_is(0) = ""   !! no settings over a scene
+
+contains
+
+   subroutine collect_study(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+      testsuite = [ &
+         new_unittest("quadruple: published end states", published_ends), &
+         new_unittest("quadruple: half the step, any axis order", quadruple_steps), &
+         new_unittest("attitude error of tiny angles", tiny_angles), &
+         new_unittest("statistics", numbers_in_order), &
+         new_unittest("members: own first, others near", members_near), &
+         new_unittest("members: no momentum where no inertia", members_linear), &
+         new_unittest("candidates of a free scene", free_candidates), &
+         new_unittest("candidates of a scene with a thermostat", noisy_candidates), &
+         new_unittest("cost of a free body: orders and floors", free_cost), &
+         new_unittest("cost of a top: orders, against the published state", top_cost), &
+         new_unittest("cost: unknown names are refused", unknown_names), &
+         new_unittest("frontier and its names", names_of_frontier)]
+   end subroutine collect_study
+
+   !> A shipped scene, with settings over it.
+   subroutine open_scene(name, settings, scene, error)
+      character(*), intent(in) :: name, settings(:)
+      type(scene_settings), intent(out) :: scene
+      type(poinsot_error), intent(inout) :: error
+      type(scene_source) :: source
+      integer :: i
+      call read_source("scenes/" // name // ".nml", source, error)
+      do i = 1, size(settings)
+         if (.not. raised(error)) call override(trim(settings(i)), source, error)
+      end do
+      if (.not. raised(error)) call build_scene(source, scene, error)
+   end subroutine open_scene
+
+   !> The review's figure 1, and figure 1 of Hairer and Vilmart 2006 (7 digits).
+   subroutine published_ends(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(qp) :: y(3), q(4)
+      call turn_freely([0.376_dp, 0.627_dp, 1.0_dp], [0.0_dp, 0.6_dp, -0.8_dp], &
+                       [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 40.0_dp, y, q)
+      call check(error, maxval(abs(real(y, dp) - [0.0545936805170048_dp, -0.5930307093190378_dp, &
+                                                  -0.8033268997439126_dp])) < 2e-15_dp, &
+                                                     "momentum of the review")
+      if (allocated(error)) return
+      call check(error, maxval(abs(real(q, dp) - [-0.7620456033094549_dp, -0.5769991038241422_dp, &
+                                                  -0.0272197283757480_dp, &
+                                                     0.2926048855539088_dp])) < 2e-15_dp, &
+                 "attitude of the review")
+      if (allocated(error)) return
+      call turn_freely([0.6_dp, 0.8_dp, 1.0_dp], [1.8_dp, 0.4_dp, -0.9_dp], &
+                       [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 10.0_dp, y, q)
+      call check(error, maxval(abs(real(q, dp) - [-0.7360614_dp, -0.5707870_dp, -0.2993886_dp, &
+                                                  -0.2068391_dp])) < 1e-7_dp, &
+                                                     "attitude of Hairer and Vilmart")
+   end subroutine published_ends
+
+   !> Twice as many steps change nothing but the last digits of quadruple precision; nor do other
+   !> names
+   !> of the axes, odd permutations included.
+   subroutine quadruple_steps(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: moments(3) = [0.3_dp, 0.9_dp, 1.1_dp], y0(3) = [0.4_dp, -0.7_dp, &
+         0.9_dp]
+      real(dp), parameter :: q0(4) = [0.5_dp, 0.5_dp, -0.5_dp, 0.5_dp]
+      integer, parameter :: orders(3, 5) = reshape([1, 3, 2, 3, 2, 1, 2, 1, 3, 2, 3, 1, 3, 1, 2], &
+         [3, 5])
+      real(dp), parameter :: parity(5) = [-1, -1, -1, 1, 1]
+      real(qp) :: y(3), q(4), other_y(3), other_q(4)
+      integer :: k
+      call turn_freely(moments, y0, q0, 30.0_dp, y, q)
+      call turn_freely(moments, y0, q0, 30.0_dp, other_y, other_q, 2)
+      call check(error, max(maxval(abs(y - other_y)), maxval(abs(q - other_q))) < 1e-28_qp, &
+         "half the step")
+      do k = 1, size(parity)
+         if (allocated(error)) return
+         call turn_freely(moments(orders(:, k)), parity(k)*y0(orders(:, k)), &
+                          [q0(1), parity(k)*q0(1 + orders(:, k))], 30.0_dp, other_y, other_q)
+         call check(error, maxval(abs(parity(k)*y(orders(:, k)) - other_y)) < 1e-28_qp .and. &
+                    maxval(abs(parity(k)*q(1 + orders(:, k)) - other_q(2:4))) < 1e-28_qp, &
+                       "other names of axes")
+      end do
+   end subroutine quadruple_steps
+
+   subroutine tiny_angles(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(qp) :: q(4)
+      real(dp) :: angle
+      q = [cos(0.5e-12_qp), 0.0_qp, sin(0.5e-12_qp), 0.0_qp]
+      angle = attitude_error(-q, [1.0_qp, 0.0_qp, 0.0_qp, 0.0_qp])
+      call check(error, abs(angle - 1e-12_dp) < 1e-25_dp, "a turn by 1e-12")
+      if (allocated(error)) return
+      angle = attitude_error([0.0_qp, 1.0_qp, 0.0_qp, 0.0_qp], [1.0_qp, 0.0_qp, 0.0_qp, 0.0_qp])
+      call check(error, abs(angle - acos(-1.0_dp)) < 1e-15_dp, "a half-turn")
+   end subroutine tiny_angles
+
+   subroutine numbers_in_order(error)
+      type(error_type), allocatable, intent(out) :: error
+      call check(error, abs(median([3.0_dp, 1.0_dp, 2.0_dp]) - 2) < 1e-15_dp .and. &
+                 abs(median([4.0_dp, 1.0_dp, 2.0_dp, 3.0_dp]) - 2.5_dp) < 1e-15_dp, "medians")
+      if (allocated(error)) return
+      call check(error, abs(quantile([5.0_dp, 1.0_dp, 3.0_dp], 1.0_dp) - 5) < 1e-15_dp, "largest")
+      if (allocated(error)) return
+      call check(error, abs(line_slope([1.0_dp, 3.0_dp, 5.0_dp, 7.0_dp]) - 2) < 1e-14_dp, "slope")
+   end subroutine numbers_in_order
+
+   subroutine members_near(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_settings) :: scene
+      type(member_set) :: members
+      type(poinsot_error) :: failure
+      real(dp) :: along
+      integer :: i
+      call open_scene("heavy-top", as_it_is, scene, failure)
+      call draw_members(scene, .false., 40, 0.1_dp, members, failure)
+      call check(error, .not. raised(failure) .and. members%n == 40 .and. members%own == 1, &
+         "forty, one its own")
+      if (allocated(error)) return
+      call check(error, all(abs(members%y(:, 1) - [1.8_dp, 0.4_dp, -0.9_dp]) <= 0), &
+         "the scene's own is first")
+      do i = 2, 40
+         if (allocated(error)) return
+         along = dot_product(members%y(:, i), members%y(:, 1))/norm2(members%y(:, &
+            i))/norm2(members%y(:, 1))
+         call check(error, along > cos(0.1001_dp) .and. along < 1 .and. &
+                    abs(norm2(members%q(:, i)) - 1) < 1e-15_dp, "others are turned by 0.1 at most")
+      end do
+   end subroutine members_near
+
+   subroutine members_linear(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_settings) :: scene
+      type(member_set) :: members
+      type(poinsot_error) :: failure
+      call open_scene("free-body", [character(40) :: "bodies.moments=1,0,1", "bodies.y=0.6,0,0.8", &
+                                    "scene.method='exact'"], scene, failure)
+      call draw_members(scene, .false., 30, any_direction, members, failure)
+      call check(error, .not. raised(failure) .and. all(abs(members%y(2, :)) <= 0) .and. &
+                 all(abs(norm2(members%y, 1) - 1) < 1e-14_dp), &
+                    "a linear body turns about no axis of its own")
+   end subroutine members_linear
+
+   subroutine free_candidates(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_settings) :: scene
+      type(scene_kind) :: kind
+      type(candidate), allocatable :: list(:)
+      type(poinsot_error) :: failure
+      call open_scene("free-body", as_it_is, scene, failure)
+      call look_at(scene, kind, failure)
+      call list_candidates(scene, kind, any_name, any_name, list, failure)
+      call check(error, .not. raised(failure) .and. kind%free .and. .not. kind%kicks .and. &
+         size(list) >= 17 .and. &
+                 all(list%splitting == "-"), "methods alone")
+      if (allocated(error)) return
+      call check(error, list(1)%method == "exact" .and. list(1)%order == 0, "exact has no order")
+   end subroutine free_candidates
+
+   subroutine noisy_candidates(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_settings) :: scene, quiet
+      type(scene_kind) :: kind
+      type(candidate), allocatable :: list(:)
+      type(poinsot_error) :: failure
+      call open_scene("thermostat", [character(20) :: "bodies.count=3", "output.sample=3"], scene, &
+         failure)
+      call quiet_scene(scene, quiet)
+      call look_at(quiet, kind, failure)
+      call list_candidates(quiet, kind, [character(24) :: "exact"], any_name, list, &
+         failure)
+      call check(error, .not. raised(failure) .and. kind%noisy .and. kind%limit == 2 .and. &
+         .not. kind%kicks .and. &
+                 size(list) == 1, "a thermostat limits the order")
+      if (allocated(error)) return
+      call check(error, list(1)%order == 2, "exact within it has order 2")
+   end subroutine noisy_candidates
+
+   subroutine free_cost(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(cost_study) :: study
+      real(dp) :: slope
+      call small_study("free-body", [character(24) :: "exact", "dmv4", "three-rotations"], &
+         any_name, &
+                       study, error)
+      if (allocated(error)) return
+      call check(error, maxval(study%reference%angle) < 1e-25_dp, &
+         "the reference knows its own error")
+      if (allocated(error)) return
+      call measure_order(study, 2, slope)
+      call check(error, abs(slope - 4) < 0.15_dp, "dmv4 has order 4")
+      if (allocated(error)) return
+      call measure_order(study, 3, slope)
+      call check(error, abs(slope - 2) < 0.15_dp, "three-rotations has order 2")
+      if (allocated(error)) return
+      call check(error, minval(study%points%angle(worst), &
+         mask=study%points%candidate == 1) < 1e-13_dp, &
+                 "exact is exact")
+   end subroutine free_cost
+
+   subroutine top_cost(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(cost_study) :: study
+      real(dp) :: slope
+      call small_study("heavy-top", [character(24) :: "exact"], [character(24) :: "strang", &
+         "srkn4", "omelyan6"], &
+                       study, error)
+      if (allocated(error)) return
+      call check(error, maxval(abs(real(study%reference%state%y(:, 1), dp) - &
+         [1.922573381663007_dp, &
+                       0.7720232344670848_dp, -0.2011054792035490_dp])) < 1e-13_dp, &
+                          "published end of the top")
+      if (allocated(error)) return
+      call check(error, maxval(study%reference%angle) < 1e-12_dp, "two schemes agree")
+      if (allocated(error)) return
+      call measure_order(study, 1, slope)
+      call check(error, abs(slope - 2) < 0.15_dp, "strang has order 2")
+      if (allocated(error)) return
+      call measure_order(study, 2, slope)
+      call check(error, abs(slope - 4) < 0.3_dp, "srkn4 has order 4")
+      if (allocated(error)) return
+      call measure_order(study, 3, slope)
+      call check(error, abs(slope - 6) < 0.4_dp, "omelyan6 has order 6")
+   end subroutine top_cost
+
+   !> A study without times: it depends on no clock but the budget, which is ample.
+   subroutine small_study(name, methods, splittings, study, error)
+      character(*), intent(in) :: name
+      character(24), intent(in) :: methods(:), splittings(:)
+      type(cost_study), intent(out) :: study
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_settings) :: scene
+      type(cost_request) :: request
+      type(run_watch) :: watch
+      type(poinsot_error) :: failure
+      call open_scene(name, as_it_is, scene, failure)
+      request%methods = methods
+      request%splittings = splittings
+      request%members = 8
+      request%timed = .false.
+      request%budget = 20
+      request%most_steps = 3072
+      call study_cost(scene, request, watch, study, failure)
+      if (raised(failure)) call test_failed(error, failure%message)
+   end subroutine small_study
+
+   !> Slope of the median error between the two finest points clear of rounding.
+   subroutine measure_order(study, candidate, slope)
+      type(cost_study), intent(in) :: study
+      integer, intent(in) :: candidate
+      real(dp), intent(out) :: slope
+      integer :: i, before, last
+      before = 0
+      last = 0
+      slope = 0
+      do i = 1, size(study%points)
+         associate (p => study%points(i))
+            if (p%candidate /= candidate .or. .not. p%good) cycle
+            if (p%angle(middle) < 1e-11_dp .or. p%angle(middle) > 0.03_dp) cycle
+            before = last
+            last = i
+         end associate
+      end do
+      if (before == 0) return
+      slope = log(study%points(before)%angle(middle)/study%points(last)%angle(middle))/ &
+              log(study%points(before)%h/study%points(last)%h)
+   end subroutine measure_order
+
+   subroutine unknown_names(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_settings) :: scene
+      type(scene_kind) :: kind
+      type(candidate), allocatable :: list(:)
+      type(poinsot_error) :: failure
+      call open_scene("heavy-top", as_it_is, scene, failure)
+      call look_at(scene, kind, failure)
+      call list_candidates(scene, kind, [character(24) :: "exakt"], any_name, list, &
+         failure)
+      call check(error, raised(failure), "an unknown method")
+      if (allocated(error)) return
+      call check(error, index(failure%message, """exact""") > 0, "the nearest is named")
+   end subroutine unknown_names
+
+   !> Three candidates by hand: one cheap and coarse, one better, one behind everywhere.
+   subroutine names_of_frontier(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(cost_point) :: points(6)
+      type(frontier_part), allocatable :: parts(:)
+      points%candidate = [1, 1, 2, 2, 3, 3]
+      points%good = .true.
+      points%h = 1
+      points%ns = [10.0_dp, 100.0_dp, 20.0_dp, 30.0_dp, 50.0_dp, 300.0_dp]
+      points%angle(middle) = [1e-2_dp, 1e-4_dp, 1e-3_dp, 1e-8_dp, 1e-3_dp, 1e-8_dp]
+      points%momentum(middle) = points%angle(middle)
+      call frontier(points, of_angle)
+      call check(error, all(points%front(of_angle) .eqv. [.true., .false., .true., .true., &
+         .false., .false.]), &
+                 "points that none beats")
+      if (allocated(error)) return
+      call check(error, cheapest(points, 1e-4_dp, of_both, middle) == 4 .and. &
+                 cheapest(points, 1e-4_dp, of_both, middle, but=2) == 2 .and. &
+                 cheapest(points, 1e-9_dp, of_both, middle) == 0, "cheapest within a tolerance")
+      if (allocated(error)) return
+      call frontier_parts(points, 3, of_angle, parts)
+      call check(error, size(parts) == 2, "two names")
+      if (allocated(error)) return
+      call check(error, all(parts%candidate == [1, 2]), "from coarse to fine")
+   end subroutine names_of_frontier
+
+end module test_study
