@@ -92,7 +92,10 @@ contains
          if (state /= 0) call raise(error, poinsot_e_memory, "no memory for the state before a step")
       end if
       status = error%code
-      if (raised(error)) return
+      if (raised(error) .or. size(system%at) == 0) then
+         if (failed .and. .not. raised(error)) status = poinsot_e_partial
+         return
+      end if
       call enter_kernel(plan%splitting, system, t, h, first)
       do k = first, first + steps - 1
          if (present(callback)) call remember(system, before)
@@ -204,6 +207,7 @@ contains
             blocks = blocks + 1
          end do
       end do
+      system%team = max(1, min(system%team, blocks)) ! threads that are not there are not asked for
       allocate (system%at(blocks), stat=state)
       if (state == 0 .and. plan%coupled) &
          allocate (system%sources(3, view%n, size(plan%effects)), system%changes(3, view%n), stat=state)
