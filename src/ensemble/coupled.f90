@@ -100,7 +100,10 @@ contains
             "no memory for the state before a step")
       end if
       status = error%code
-      if (raised(error)) return
+      if (raised(error) .or. size(system%at) == 0) then
+         if (failed .and. .not. raised(error)) status = poinsot_e_partial
+         return
+      end if
       call enter_kernel(plan%splitting, system, t, h, first)
       do k = first, first + steps - 1
          if (present(callback)) call remember(system, before)
