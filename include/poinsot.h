@@ -73,6 +73,13 @@ const char *poinsot_splitting_name(size_t i);
 size_t poinsot_effect_count(void);
 const char *poinsot_effect_name(size_t i);
 
+/* For a host whose torques depend on more than attitudes, centres of mass say, and which therefore runs the steps itself: one step
+ * of length h of a splitting is, for i = 0 to *count - 1, a kick over kick[i] h, then a drift over drift[i] h, of attitudes by
+ * poinsot_kick and poinsot_drift and of all else by the host; zeros are left out. The order is kept if the drifts are exact.
+ * POINSOT_E_SIZE if capacity is less than *count (at most 32), which is set nevertheless; POINSOT_E_METHOD for an unknown
+ * name and for splittings that need more than kicks and drifts: force gradients, a processor. */
+poinsot_status poinsot_splitting_flows(const char *name, size_t capacity, double kick[], double drift[], size_t *count);
+
 /* ---- one kind of body ---------------------------------------------------------------------------------------------- */
 
 typedef struct poinsot_body poinsot_body;
@@ -226,6 +233,8 @@ void poinsot_version_f_(int *version, int *status);
 /* As poinsot_rotate, with the moments of the one kind of body. */
 void poinsot_rotate_f_(const double moments[3], const int *method, const double *h, const int *steps, const int *n,
                        double y[], double q[], int each[], int *status);
+/* As poinsot_splitting_flows, of splitting number `splitting`. */
+void poinsot_splitting_f_(const int *splitting, const int *capacity, double kick[], double drift[], int *count, int *status);
 void poinsot_plan_create_f_(int64_t *plan, int *status);
 void poinsot_plan_destroy_f_(int64_t *plan);
 void poinsot_plan_add_class_f_(const int64_t *plan, const double moments[3], int *number, int *status);

@@ -11,8 +11,8 @@ module poinsot_interface
    public :: poinsot_bodies
    public :: poinsot_version, poinsot_status_text, poinsot_has_feature, poinsot_method_count, &
       poinsot_method_name
-   public :: poinsot_splitting_count, poinsot_splitting_name, poinsot_effect_count, &
-      poinsot_effect_name
+   public :: poinsot_splitting_count, poinsot_splitting_name, poinsot_splitting_flows, &
+      poinsot_effect_count, poinsot_effect_name
    public :: poinsot_body_create, poinsot_body_create_tensor, poinsot_body_destroy, &
       poinsot_rotate, poinsot_jacobi
    public :: poinsot_bodies_rows, poinsot_bodies_arrays
@@ -65,6 +65,14 @@ module poinsot_interface
          import
          integer(c_size_t), value :: i
       end function poinsot_splitting_name
+
+      integer(c_int) function poinsot_splitting_flows(name, capacity, kick, drift, count) bind(c)
+         import
+         character(kind=c_char), intent(in) :: name(*)
+         integer(c_size_t), value :: capacity
+         real(c_double), intent(out) :: kick(*), drift(*)
+         integer(c_size_t), intent(out) :: count
+      end function poinsot_splitting_flows
 
       integer(c_size_t) function poinsot_effect_count() bind(c)
          import

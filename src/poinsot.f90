@@ -42,7 +42,7 @@ module poinsot
    use poinsot_free_method, only: free_method, find_method, poinsot_method_count => method_count, &
       poinsot_method_name => method_name
    use poinsot_splitting_registry, only: poinsot_splitting_count => splitting_count, &
-      poinsot_splitting_name => splitting_name
+      poinsot_splitting_name => splitting_name, poinsot_splitting_flows => splitting_flows
    implicit none(type, external)
    private
    public :: dp, i8, poinsot_error, raised, clear
@@ -53,7 +53,7 @@ module poinsot
    public :: poinsot_e_scene, poinsot_e_cpu, poinsot_status_text, poinsot_version
    public :: poinsot_method_count, poinsot_method_name, poinsot_splitting_count, &
       poinsot_splitting_name
-   public :: poinsot_effect_count, poinsot_effect_name
+   public :: poinsot_splitting_flows, poinsot_effect_count, poinsot_effect_name
    public :: poinsot_body, poinsot_body_create, poinsot_body_create_tensor, poinsot_rotate, &
       poinsot_jacobi
    public :: poinsot_plan, poinsot_plan_create, poinsot_plan_add_class, &

@@ -68,6 +68,7 @@ with_shared() {
 same_top() {
    with_shared "$1" "$2" >"$work/top" && cat "$work/top" && tail -n 1 "$work/top" | grep -q "4.2050000000000.* 0.925740 *-0.351491 *0.102184 *-0.094964"
 }
+legacy_md() { PKG_CONFIG_PATH=$prefix/lib/pkgconfig test/legacy_md.sh "$work/legacy_md"; }
 other_compiler() {
    "$FC" -fsyntax-only -std=f2008 -pedantic -Wall -J build/installed/build "$prefix/include/poinsot_interface.f90" &&
       "$FC" -J build/installed/build "$prefix/include/poinsot_interface.f90" test/consumer/interface.f90 -L"$prefix/lib" -lpoinsot \
@@ -131,6 +132,7 @@ if have pkg-config; then
    expect "example-c" same_top "-std=c99 -pedantic -Wall -Wextra -Werror" example/c/heavy_top.c
    expect "example-fortran" same_top "" example/fortran/heavy_top.f90
    expect "example-fixed-form" with_shared "" example/fixed/molecules.f
+   expect "example-legacy-md" legacy_md
    if have c++; then
       expect "example-c++" with_shared "-std=c++17 -pedantic -Wall -Wextra -Werror" example/c++/lammps_rows.cpp
    else

@@ -59,6 +59,7 @@ size_t poinsot_do_method_count(void);
 const char *poinsot_do_method_name(size_t);
 size_t poinsot_do_splitting_count(void);
 const char *poinsot_do_splitting_name(size_t);
+int poinsot_do_splitting_flows(const char *, size_t, double *, double *, size_t *);
 size_t poinsot_do_effect_count(void);
 const char *poinsot_do_effect_name(size_t);
 int poinsot_do_body_create(const double *, poinsot_body **);
@@ -98,6 +99,10 @@ size_t poinsot_method_count(void) { IF_FITS(poinsot_do_method_count(), 0); }
 const char *poinsot_method_name(size_t i) { IF_FITS(poinsot_do_method_name(i), NULL); }
 size_t poinsot_splitting_count(void) { IF_FITS(poinsot_do_splitting_count(), 0); }
 const char *poinsot_splitting_name(size_t i) { IF_FITS(poinsot_do_splitting_name(i), NULL); }
+poinsot_status poinsot_splitting_flows(const char *name, size_t capacity, double kick[], double drift[], size_t *count) {
+  IF_FITS(poinsot_do_splitting_flows(name, capacity, kick, drift, count), POINSOT_E_CPU);
+}
+
 size_t poinsot_effect_count(void) { IF_FITS(poinsot_do_effect_count(), 0); }
 const char *poinsot_effect_name(size_t i) { IF_FITS(poinsot_do_effect_name(i), NULL); }
 

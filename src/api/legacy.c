@@ -41,6 +41,13 @@ void poinsot_rotate_f_(const double moments[3], const int *method, const double 
   poinsot_body_destroy(&body);
 }
 
+void poinsot_splitting_f_(const int *splitting, const int *capacity, double kick[], double drift[], int *count, int *status) {
+  size_t pairs = 0;
+  const char *name = splitting_of(*splitting);
+  *status = name ? poinsot_splitting_flows(name, *capacity < 0 ? 0 : (size_t)*capacity, kick, drift, &pairs) : POINSOT_E_METHOD;
+  *count = (int)pairs;
+}
+
 void poinsot_plan_create_f_(int64_t *plan, int *status) {
   poinsot_plan *made;
   *status = poinsot_plan_create(&made);

@@ -1,14 +1,18 @@
 !> C entry points that ask the library about itself: version, statuses, features, methods. See
 !> include/poinsot.h.
 module poinsot_api_library
-   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr, &
-      c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
+      c_loc, c_null_char, &
+      c_null_ptr, c_ptr, c_size_t
    use poinsot_api_build, only: built_with
    use poinsot_api_text, only: from_c
-   use poinsot_core_status, only: status_texts, last_status
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_status, only: status_texts, last_status, poinsot_ok, poinsot_e_null, &
+      poinsot_e_size
    use poinsot_effect_registry, only: effect_names
    use poinsot_free_method, only: method_names
-   use poinsot_splitting_registry, only: splitting_names
+   use poinsot_splitting_registry, only: splitting_names, splitting_flows
    implicit none(type, external)
    private
 
@@ -79,6 +83,41 @@ contains
       integer(c_size_t), value :: i
       splitting_name = name_of(splittings, i)
    end function splitting_name
+
+   !> A step of a splitting as pairs of kick and drift.
+   integer(c_int) function flows_of(name, capacity, kick, drift, count) bind(c, &
+      name="poinsot_do_splitting_flows") &
+         result(status)
+      type(c_ptr), value :: name             !! const char *
+      integer(c_size_t), value :: capacity   !! of the arrays
+      type(c_ptr), value :: kick, drift      !! double[capacity]
+      type(c_ptr), value :: count            !! size_t *: how many pairs there are, also when they
+                                             !! do not fit
+      character(:), allocatable :: asked
+      real(dp), allocatable :: kicks(:), drifts(:)
+      real(c_double), pointer :: x(:)
+      integer(c_size_t), pointer :: n
+      type(poinsot_error) :: error
+      status = poinsot_e_null
+      if (.not. c_associated(count)) return
+      call c_f_pointer(count, n)
+      n = 0
+      call from_c(name, asked)
+      if (.not. allocated(asked)) return
+      call splitting_flows(asked, kicks, drifts, error)
+      status = error%code
+      if (raised(error)) return
+      n = size(kicks, kind=c_size_t)
+      status = poinsot_e_size
+      if (capacity >= 0 .and. capacity < n) return
+      status = poinsot_e_null
+      if (.not. (c_associated(kick) .and. c_associated(drift))) return
+      call c_f_pointer(kick, x, [n])
+      x = kicks
+      call c_f_pointer(drift, x, [n])
+      x = drifts
+      status = poinsot_ok
+   end function flows_of
 
    !> How many effects there are.
    integer(c_size_t) function effect_count() bind(c, name="poinsot_do_effect_count")

@@ -113,7 +113,8 @@ contains
       call refuse_carry(b)
    end subroutine load_block
 
-   !> A carry is what rounding left over. One that is not finite, or larger than that could be, is no carry.
+   !> A carry is what rounding left over. One that is not finite, or larger than that could be, is
+   !> no carry.
    pure subroutine refuse_carry(b)
       type(block_state), intent(inout) :: b
       real(dp) :: largest
@@ -294,7 +295,8 @@ contains
          do j = 1, 3
             total(j) = view%y(j)%of(b%at(l)) + b%add(l, j)
          end do
-         if (max(magnitude(total(1)), magnitude(total(2)), magnitude(total(3))) >= exponent_bits) then
+         if (max(magnitude(total(1)), magnitude(total(2)), magnitude(total(3))) >= exponent_bits) &
+            then
             b%status(l) = poinsot_e_domain
             cycle
          end if

@@ -54,8 +54,8 @@ contains
       call turn(class, ps, rs, v, twice, y, q, dy, dq)
    end subroutine exact_step_increment
 
-   !> 1 + P, 1 + R, T, W, each lane with the shortest series that is exact to rounding for it. x and z
-   !> are the arguments of T and W.
+   !> 1 + P, 1 + R, T, W, each lane with the shortest series that is exact to rounding for it. x and
+   !> z are the arguments of T and W.
    pure subroutine all_series(class, p, r, above, x, z, ps, rs, t, w)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: p(lanes), r(lanes), above

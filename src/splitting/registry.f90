@@ -1,12 +1,14 @@
 !> Splittings by name.
 module poinsot_splitting_registry
+   use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_method
-   use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: nearest_name
    use poinsot_splitting_tableaux, only: splitting, scheme_count, scheme_row
    implicit none(type, external)
    private
-   public :: splitting_names, splitting_count, splitting_name, find_splitting, achieved_order
+   public :: splitting_names, splitting_count, splitting_name, find_splitting, splitting_flows, &
+      achieved_order
 
    !> Names of the rows, in their order.
    character(18), parameter :: splitting_names(scheme_count) = [character(18) :: &
@@ -48,6 +50,37 @@ contains
       call raise(error, poinsot_e_method, "unknown splitting '" // trim(name) // &
                  "'; the nearest known name is '" // nearest_name(name, names) // "'")
    end subroutine find_splitting
+
+   !> One step of a splitting as pairs of flows, for a host that moves more than attitudes and so
+   !> runs the step itself: for i = 1, 2, ... a kick over kick(i) h, then a drift over drift(i) h; a
+   !> zero is no flow. POINSOT_E_METHOD for an unknown name, and for a splitting that is not kicks
+   !> and drifts alone (force gradients, a processor).
+   pure subroutine splitting_flows(name, kick, drift, error)
+      character(*), intent(in) :: name
+      real(dp), allocatable, intent(out) :: kick(:), drift(:)
+      type(poinsot_error), intent(inout) :: error
+      type(splitting) :: scheme
+      integer :: i, n
+      call find_splitting(name, scheme, error)
+      if (raised(error)) return
+      if (scheme%needs_gradient .or. size(scheme%enter) > 0) then
+         call raise(error, poinsot_e_method, "splitting '" // trim(name) // &
+                    "' is not kicks and drifts alone; 'srkn4' and 'srkn6' are")
+         return
+      end if
+      allocate (kick(size(scheme%operations)), drift(size(scheme%operations)), source=0.0_dp)
+      n = 1
+      do i = 1, size(scheme%operations)
+         if (scheme%operations(i)%is_kick) then
+            if (i > 1) n = n + 1
+            kick(n) = scheme%operations(i)%b
+         else
+            drift(n) = scheme%operations(i)%b
+         end if
+      end do
+      kick = kick(:n)
+      drift = drift(:n)
+   end subroutine splitting_flows
 
    !> Order that a step reaches: the least of scheme, free rotation and effects (0 in any of them:
    !> no limit).

@@ -1,5 +1,6 @@
-!> The longest step with which a candidate meets a tolerance, and the cheapest candidate: all of them
-!> with long steps first; whoever is dearer than a candidate that meets the tolerance already is out.
+!> The longest step with which a candidate meets a tolerance, and the cheapest candidate: all of
+!> them with long steps first; whoever is dearer than a candidate that meets the tolerance already
+!> is out.
 module poinsot_study_search
    use poinsot_core_kinds, only: dp, i8
    use poinsot_ensemble_plan, only: poinsot_plan
@@ -22,7 +23,8 @@ module poinsot_study_search
       real(dp) :: growth = 1               !! errors are so much larger at the scene's own end
       real(dp) :: tol = 0                  !! largest error allowed
       real(dp) :: margin = 1               !! times the error measured must be within
-      integer(i8) :: unit = 1              !! steps come in multiples of this (pieces between outputs)
+      integer(i8) :: unit = 1              !! steps come in multiples of this (pieces between
+                                           !! outputs)
       real(dp) :: longest = 0              !! step with one multiple
    end type problem
 
@@ -61,7 +63,8 @@ contains
       do while (any(racers%running) .and. multiple < 2_i8**40/task%unit)
          do i = 1, size(racers)
             if (.not. racers(i)%running) cycle
-            if (wall_seconds() + estimate(task, racers(i), multiple) > deadline .or. watch%stop_now()) then
+            if (wall_seconds() + estimate(task, racers(i), multiple) > deadline .or. &
+               watch%stop_now()) then
                racers(i)%running = .false.
                cycle
             end if
@@ -81,7 +84,8 @@ contains
    pure logical function stalled(one, multiple)
       type(contender), intent(in) :: one
       integer(i8), intent(in) :: multiple
-      stalled = one%best_multiple > 0 .and. one%best_error < 1e-10_dp .and. multiple >= 8*one%best_multiple
+      stalled = one%best_multiple > 0 .and. one%best_error < 1e-10_dp .and. &
+         multiple >= 8*one%best_multiple
    end function stalled
 
    !> Seconds that a try will take.
@@ -178,8 +182,8 @@ contains
       end do
    end subroutine narrow
 
-   !> The next number to try between what failed and what met the tolerance: by the order, kept inside;
-   !> 0 when there is no use.
+   !> The next number to try between what failed and what met the tolerance: by the order, kept
+   !> inside; 0 when there is no use.
    pure subroutine guess_multiple(task, one, multiple)
       type(problem), intent(in) :: task
       type(contender), intent(in) :: one

@@ -30,6 +30,8 @@ static poinsot_plan *ready_plan(const char *layout) {
 
 static void library(void) {
   int s;
+  double kick[32], drift[32];
+  size_t count;
   CHECK(poinsot_version() >= 100);
   for (s = -3; s < 20; s++) CHECK(poinsot_status_text(s) != NULL && strlen(poinsot_status_text(s)) > 0);
   CHECK(poinsot_has_feature(NULL) == 0);
@@ -40,6 +42,24 @@ static void library(void) {
   CHECK(poinsot_splitting_name((size_t)-1) == NULL && poinsot_splitting_name(poinsot_splitting_count()) == NULL);
   CHECK(poinsot_effect_name((size_t)-1) == NULL && poinsot_effect_name(poinsot_effect_count()) == NULL);
   CHECK(poinsot_splitting_count() > 10 && strcmp(poinsot_splitting_name(0), "strang") == 0);
+  CHECK(poinsot_splitting_flows("strang", 8, kick, drift, &count) == POINSOT_OK && count == 2);
+  CHECK(kick[0] == 0.5 && drift[0] == 1 && kick[1] == 0.5 && drift[1] == 0);
+  CHECK(poinsot_splitting_flows("srkn6", 8, kick, drift, &count) == POINSOT_E_SIZE && count == 15 && kick[0] == 0.5);
+  CHECK(poinsot_splitting_flows("srkn6", 0, NULL, NULL, &count) == POINSOT_E_SIZE && count == 15);
+  CHECK(poinsot_splitting_flows("chin4", 8, kick, drift, &count) == POINSOT_E_METHOD && count == 0);
+  CHECK(poinsot_splitting_flows("takahashi-imada", 8, kick, drift, &count) == POINSOT_E_METHOD);
+  CHECK(poinsot_splitting_flows("strung", 8, kick, drift, &count) == POINSOT_E_METHOD);
+  CHECK(poinsot_splitting_flows(NULL, 8, kick, drift, &count) == POINSOT_E_NULL);
+  CHECK(poinsot_splitting_flows("strang", 8, NULL, drift, &count) == POINSOT_E_NULL);
+  CHECK(poinsot_splitting_flows("strang", 8, kick, NULL, &count) == POINSOT_E_NULL);
+  CHECK(poinsot_splitting_flows("strang", 8, kick, drift, NULL) == POINSOT_E_NULL);
+  for (s = 0; s < (int)poinsot_splitting_count(); s++) {
+    double all[2] = {0, 0};
+    size_t i;
+    if (poinsot_splitting_flows(poinsot_splitting_name((size_t)s), 32, kick, drift, &count) != POINSOT_OK) continue;
+    for (i = 0; i < count; i++) all[0] += kick[i], all[1] += drift[i];
+    CHECK(fabs(all[0] - 1) < 1e-14 && fabs(all[1] - 1) < 1e-14);
+  }
   CHECK(poinsot_effect_count() > 5 && strcmp(poinsot_effect_name(0), "gravity") == 0);
 }
 

@@ -32,7 +32,8 @@ contains
 
    !> Read a scene from memory, build it, and run it if it is small. Answers the status, or -1 if
    !> the library broke a promise: a status without a message, or one that is none.
-   integer(c_int) function fuzz_scene(bytes, length, folder, folder_length, run) bind(c) result(status)
+   integer(c_int) function fuzz_scene(bytes, length, folder, folder_length, run) &
+      bind(c) result(status)
       type(c_ptr), value :: bytes, folder
       integer(c_size_t), value :: length, folder_length
       integer(c_int), value :: run             !! /= 0: run small scenes
@@ -41,13 +42,16 @@ contains
       type(poinsot_error) :: error
       call scan_source(text_of(bytes, length), "fuzz.nml", source, error)
       if (.not. raised(error)) call build_scene(source, scene, error)
-      if (.not. raised(error) .and. run /= 0) call try_to_run(scene, text_of(folder, folder_length), error)
+      if (.not. raised(error) .and. run /= 0) call try_to_run(scene, text_of(folder, &
+         folder_length), error)
       status = verdict(error)
    end function fuzz_scene
 
    !> Continue a scene from a restart file.
-   integer(c_int) function fuzz_restart(bytes, length, file, file_length, folder, folder_length) bind(c) result(status)
-      type(c_ptr), value :: bytes, file, folder    !! the scene, the path of the restart file, the folder for output
+   integer(c_int) function fuzz_restart(bytes, length, file, file_length, folder, folder_length) &
+      bind(c) result(status)
+      type(c_ptr), value :: bytes, file, folder    !! the scene, the path of the restart file, the
+                                                   !! folder for output
       integer(c_size_t), value :: length, file_length, folder_length
       type(scene_source) :: source
       type(scene_settings) :: scene
