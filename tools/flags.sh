@@ -28,7 +28,7 @@ release)
    ;;
 checking)
    printf '%s ' -Og -g
-   accepted -fcheck=all -Wall -Wextra -ffpe-trap=invalid,zero,overflow -fbacktrace -fopenmp
+   accepted -fcheck=all,no-array-temps -Wall -Wextra -ffpe-trap=invalid,zero,overflow -fbacktrace -fopenmp
    ;;
 c)
    # For src/api/*.c, which look at the processor before anything else: never -march.

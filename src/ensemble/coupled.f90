@@ -100,8 +100,9 @@ contains
             "no memory for the state before a step")
       end if
       status = error%code
-      if (raised(error) .or. size(system%at) == 0) then
-         if (failed .and. .not. raised(error)) status = poinsot_e_partial
+      if (raised(error)) return
+      if (size(system%at) == 0) then
+         if (failed) status = poinsot_e_partial
          return
       end if
       call enter_kernel(plan%splitting, system, t, h, first)
