@@ -13,6 +13,7 @@ program check_poinsot
    use test_ensemble, only: collect_ensemble
    use test_free, only: collect_free
    use test_oracle, only: collect_oracle
+   use test_properties, only: collect_properties
    use test_rattle, only: collect_rattle
    use test_rotation, only: collect_rotation
    use test_scene, only: collect_scene
@@ -33,6 +34,7 @@ program check_poinsot
       new_testsuite("free", collect_free), &
       new_testsuite("rattle", collect_rattle), &
       new_testsuite("drift", collect_drift), &
+      new_testsuite("properties", collect_properties), &
       new_testsuite("effect", collect_effect), &
       new_testsuite("splitting", collect_splitting), &
       new_testsuite("ensemble", collect_ensemble), &

@@ -51,7 +51,7 @@ contains
       real(dp), intent(in) :: moments(3), h, y(3), q(4)
       type(defects), intent(out) :: found
       type(dual) :: yd(3), qd(4)
-      real(qp) :: y0(3), q0(4), y1(3), q1(4), y2(3), q2(4), m(6, 6), inverse(3), size
+      real(qp) :: y0(3), q0(4), y1(3), q1(4), y2(3), q2(4), dq(4), m(6, 6), inverse(3), size
       logical :: good(3)
       integer :: k
       y0 = y
@@ -69,8 +69,9 @@ contains
       y1 = value_of(yd)
       q1 = value_of(qd)
       do k = 1, 6
-         m(1:3, k) = turn_between(q1, qd%d(k))
-         m(4:6, k) = yd%d(k)/size
+         dq = [qd(1)%d(k), qd(2)%d(k), qd(3)%d(k), qd(4)%d(k)]
+         m(1:3, k) = turn_between(q1, dq)
+         m(4:6, k) = [yd(1)%d(k), yd(2)%d(k), yd(3)%d(k)]/size
       end do
       call form_defects(m, y0/size, y1/size, found)
       inverse = 0

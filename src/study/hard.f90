@@ -227,10 +227,12 @@ contains
             words = "right to rounding ("//trim(adjustl(number))//" units)"
          else if (method%order == 0) then
             write (number, "(es8.1)") worst
-            words = "digits lost ("//trim(adjustl(number))//" units)"
+            words = merge("a digit lost ", "digits lost  ", worst <= 100)
+            words = trim(words)//" ("//trim(adjustl(number))//" units)"
          else
             write (number, "(es8.1)") one%largest
-            words = "off by "//trim(adjustl(number))//" (its order)"
+            words = "off by "//trim(adjustl(number))
+            if (one%largest > 0.1_dp) words = words//", of no use"
          end if
          if (one%too_long > 0) then
             write (number, "(i0)") one%too_long

@@ -1,0 +1,203 @@
+!> `poinsot properties` and `poinsot hard`: their maps, dual numbers and judges against the oracles
+!> of the tests, and what their tables must say.
+module test_properties
+   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use poinsot_core_kinds, only: dp, qp
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_free_method, only: method_count
+   use poinsot_study_defects, only: defects, measure_defects, plain_step
+   use poinsot_study_hard, only: hard_result, judge_kind
+   use poinsot_study_hard_cases, only: hard_case, kind_names, cases_of_kind, make_case
+   use poinsot_study_properties, only: method_properties, measure_method, holds
+   use poinsot_study_taylor, only: judge_flow => taylor_flow, judge_conditioning => conditioning
+   use test_bodies, only: random_body, random_stream, start_stream, hard_body, body_kinds
+   use test_free_tools, only: text, generic, start, start_q
+   use test_measure, only: attitude_distance, momentum_distance
+   use test_oracle_dmv, only: reference_map, make_reference
+   use test_oracle_properties, only: property_report, measure_oracle => measure_properties
+   use test_oracle_taylor, only: taylor_report, taylor_flow, free_problem, conditioning
+   implicit none(type, external)
+   private
+   public :: collect_properties
+
+contains
+
+   subroutine collect_properties(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+      testsuite = [ &
+         new_unittest("maps", test_maps), &
+         new_unittest("derivatives", test_derivatives), &
+         new_unittest("table", test_table), &
+         new_unittest("judge", test_judge), &
+         new_unittest("hard-cases", test_hard)]
+   end subroutine collect_properties
+
+   !> The maps in dual numbers are the oracle's maps.
+   subroutine test_maps(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(20), parameter :: names(8) = [character(20) :: "dmv2", "dmv4", "dmv14", "dmv24", &
+         "midpoint", "three-rotations", "symmetric-rotation", "exact"]
+      type(random_stream) :: stream
+      type(random_body) :: body
+      type(reference_map) :: map
+      real(qp) :: y(3), q(4), z(3), r(4)
+      real(dp) :: gap
+      logical :: ok, fine
+      integer :: i, k
+      do i = 1, size(names)
+         stream = start_stream(61)
+         do k = 1, 12
+            call hard_body(stream, body_kinds(k), 0.8_dp, body)
+            if (body_kinds(k) == "linear" .and. names(i) == "three-rotations") cycle
+            if (body_kinds(k) == "slow" .or. body_kinds(k) == "units") cycle
+            y = body%y
+            q = body%q
+            z = y
+            r = q
+            call plain_step(trim(names(i)), body%moments, real(body%h, qp), y, q, ok)
+            call make_reference(names(i), body%moments, map)
+            call map%apply(real(body%h, qp), z, r, fine)
+            gap = momentum_distance(y, z) + attitude_distance(q, r)
+            call check(error, ok .and. fine .and. gap < 1.0e-28_dp, trim(names(i))//" on "// &
+               trim(body_kinds(k))//": "//text(gap))
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_maps
+
+   !> Defects from dual numbers equal those from differences of the oracle's maps, where there are
+   !> any.
+   subroutine test_derivatives(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(20), parameter :: names(5) = [character(20) :: "dmv2", "dmv4", "dmv8", "midpoint", &
+         "three-rotations"]
+      type(reference_map) :: map
+      type(property_report) :: other
+      type(defects) :: found
+      integer :: i
+      do i = 1, size(names)
+         call measure_defects(trim(names(i)), generic, 0.5_dp, start, start_q, found)
+         call make_reference(names(i), generic, map)
+         call measure_oracle(map, map%inverse, 0.5_qp, real(start, qp), &
+            start_q/sqrt(sum(real(start_q, qp)**2)), other)
+         call check(error, abs(found%poisson - other%poisson) < 1.0e-17_dp &
+            + 1.0e-12_dp*found%poisson, &
+            trim(names(i))//" Poisson: "//text(found%poisson)//", "//text(other%poisson))
+         if (allocated(error)) return
+         call check(error, abs(found%symplectic - other%symplectic) < 1.0e-17_dp &
+            + 1.0e-12_dp*found%symplectic, &
+               trim(names(i))//" symplectic: "//text(found%symplectic)// &
+            ", "//text(other%symplectic))
+         if (allocated(error)) return
+      end do
+   end subroutine test_derivatives
+
+   !> The table's ticks and orders.
+   subroutine test_table(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(20), parameter :: names(7) = [character(20) :: "jacobi", "dmv2", "dmv10", &
+         "midpoint", &
+         "three-rotations", "symmetric-rotation", "rattle"]
+      !> H, Poisson, symplectic, linear, exact for symmetric bodies.
+      character(3), parameter :: expected(5, 7) = reshape([character(3) :: &
+         "yes", "yes", "yes", "yes", "yes", &
+         "yes", "yes", "yes", "yes", "no", &
+         "yes", "yes", "no", "yes", "no", &
+         "yes", "no", "no", "yes", "no", &
+         "no", "yes", "yes", "no", "no", &
+         "no", "yes", "yes", "yes", "yes", &
+         "yes", "yes", "yes", "yes", "no"], [5, 7])
+      character(3) :: said(5)
+      type(method_properties) :: row
+      type(poinsot_error) :: answer
+      integer :: i
+      do i = 1, size(names)
+         call measure_method(trim(names(i)), row, answer)
+         call check(error, .not. raised(answer), "refused: "//trim(names(i)))
+         if (allocated(error)) return
+         said = [holds(row%map%energy), holds(row%map%poisson), holds(row%map%symplectic), &
+            holds(row%linear), holds(row%symmetric_body)]
+         call check(error, all(said == expected(:, i)), &
+            "ticks of "//trim(names(i))//": "//said(1)//said(2)// &
+            said(3)//said(4)//said(5))
+         if (allocated(error)) return
+         call check(error, max(row%map%space, row%map%casimir, row%map%norm, row%map%symmetric, &
+            row%map%reversible) < 1.0e-31_dp, "what all of them keep: "//trim(names(i)))
+         if (allocated(error)) return
+         call check(error, row%distance < 5, &
+            trim(names(i))//" is not its map: "//text(row%distance))
+         if (allocated(error)) return
+         call check(error, maxval(abs(row%slope - row%order)) < 0.1_dp + 0.03_dp*row%order, &
+            "slopes of "//trim(names(i)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_table
+
+   !> The judge of the hard cases and its condition numbers against the tests' own.
+   subroutine test_judge(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(random_stream) :: stream
+      type(random_body) :: body
+      type(taylor_report) :: report
+      real(qp) :: inverse(3), y(3), q(4), z(3), r(4)
+      real(dp) :: gap, c(4), d(4)
+      integer :: k
+      stream = start_stream(67)
+      do k = 1, 12
+         call hard_body(stream, body_kinds(k), 10.0_dp, body)
+         inverse = 0
+         where (body%moments > 0) inverse = 1/real(body%moments, qp)
+         y = body%y
+         q = body%q
+         z = y
+         r = q
+         call judge_flow(inverse, real(body%h, qp), y, q, .false.)
+         call taylor_flow(free_problem(body%moments), real(body%h, qp), z, r, report)
+         call conditioning(body%moments, body%y, body%h, c(1), c(2), c(3), c(4))
+         gap = momentum_distance(y, z) + attitude_distance(q, r)
+         call check(error, gap < 1.0e-28_dp*maxval(c), &
+            "judge on "//trim(body_kinds(k))//": "//text(gap))
+         if (allocated(error)) return
+         call judge_conditioning(body%moments, body%y, body%h, .true., d(1), d(2))
+         call judge_conditioning(body%moments, body%y, body%h, .false., d(3), d(4))
+         if (body_kinds(k) == "middle" .or. body_kinds(k) == "separatrix") cycle
+         call check(error, maxval(abs(log(d/c))) < 0.1_dp, "condition numbers on "//body_kinds(k))
+         if (allocated(error)) return
+      end do
+   end subroutine test_judge
+
+   !> exact and jacobi are right to rounding on every hard case, and nothing ever fails otherwise
+   !> than by a refusal; the cases are what they promise.
+   subroutine test_hard(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(hard_result), allocatable :: results(:, :)
+      type(hard_case) :: one
+      integer :: kind, number
+      allocate (results(method_count(), 2))
+      do kind = 1, size(kind_names)
+         do number = 1, cases_of_kind
+            call make_case(kind, number, one)
+            associate (i => one%moments)
+               call check(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i) &
+                  .and. minval(i) >= 0, &
+                  "no body: "//kind_names(kind))
+            end associate
+            if (allocated(error)) return
+         end do
+         if (kind_names(kind) == "long") cycle
+         call judge_kind(kind, results)
+         call check(error, all(results%other == 0), "something fails on "//kind_names(kind))
+         if (allocated(error)) return
+         call check(error, all(results(1:2, :)%answered == cases_of_kind), &
+            "refused on "//kind_names(kind))
+         if (allocated(error)) return
+         call check(error, max(results(1, 1)%y, results(1, 1)%q, results(2, 1)%y, results(2, &
+            1)%q) < 5, &
+            "units on "//trim(kind_names(kind))//": exact "//text(max(results(1, 1)%y, &
+               results(1, 1)%q))// &
+            ", jacobi "//text(max(results(2, 1)%y, results(2, 1)%q)))
+         if (allocated(error)) return
+      end do
+   end subroutine test_hard
+
+end module test_properties
