@@ -1,4 +1,5 @@
-!> The cheapest method, splitting and step that meet a tolerance on a scene and a machine, by trial on
+!> The cheapest method, splitting and step that meet a tolerance on a scene and a machine, by trial
+!> on
 !> the scene's own bodies.
 module poinsot_study_choose
    use poinsot_core_kinds, only: dp, i8, lanes
@@ -9,18 +10,19 @@ module poinsot_study_choose
    use poinsot_scene_summary, only: brief_number
    use poinsot_scene_text, only: text_of
    use poinsot_scene_watch, only: run_watch
-   use poinsot_study_candidates, only: candidate, scene_kind, look_at, quiet_scene, list_candidates, &
+   use poinsot_study_candidates, only: candidate, scene_kind, look_at, quiet_scene, &
+      list_candidates, &
       plan_splitting, label_of
    use poinsot_study_clock, only: wall_seconds
    use poinsot_study_members, only: member_set, draw_members, repeat_members
    use poinsot_study_reference, only: reference_solution, find_reference
-   use poinsot_study_search, only: problem, contender, search_steps
+   use poinsot_study_search, only: problem, contender, search_steps, usual_slack
    use poinsot_study_statistics, only: median
    use poinsot_study_timing, only: time_steps
    use poinsot_study_trial, only: make_plan
    implicit none(type, external)
    private
-   public :: choose_request, choice, chosen, choose_method, prepare_task, time_finalists
+   public :: choose_request, choice, chosen, choose_method, prepare_task
 
    !> What is asked.
    type :: choose_request
@@ -44,22 +46,25 @@ module poinsot_study_choose
    type :: choice
       type(chosen) :: best, runner_up          !! runner_up%h = 0: there is none
       character(:), allocatable :: reference   !! how errors were measured
-      real(dp) :: t_measured = 0               !! to which time; the scene's end if it was near enough
+      real(dp) :: t_measured = 0 !! to which time; the scene's end if it was near enough
       integer :: bodies = 0, own = 0           !! states tried, the scene's own among them
       integer :: candidates = 0                !! that ran
+      logical :: noisy = .false.               !! the scene has noise, the trials had not
       real(dp) :: seconds = 0                  !! spent
    end type choice
 
    integer, parameter :: most_own = 128        !! of the scene's bodies, if it has many
-   real(dp), parameter :: near_by = 0.02_dp    !! spread of the states beside the scene's own, radians
-   real(dp), parameter :: whole_margin = 1.1_dp, sample_margin = 2  !! all bodies tried; some of them
+   real(dp), parameter :: near_by = 0.02_dp !! spread of the states beside the scene's own, radians
+   real(dp), parameter :: whole_margin = 1.1_dp, sample_margin = 2 !! all bodies tried; some of them
    integer, parameter :: finalists = 10, repeats = 9
    real(dp), parameter :: final_share = 1.5_dp !! times the cheapest: timed again
    real(dp), parameter :: one_run = 1e-3_dp
+   real(dp), parameter :: no_price = 1e100_dp  !! of who does not meet the tolerance
 
 contains
 
-   !> Choose. Errors: what the plan refuses; POINSOT_E_CONVERGENCE if nothing meets the tolerance, with
+   !> Choose. Errors: what the plan refuses; POINSOT_E_CONVERGENCE if nothing meets the tolerance,
+   !> with
    !> the best there is.
    subroutine choose_method(scene, request, watch, answer, error)
       type(scene_settings), intent(in) :: scene
@@ -74,12 +79,13 @@ contains
       begun = wall_seconds()
       call prepare_task(scene, request, task, list, racers, answer, error)
       if (raised(error)) return
-      call search_steps(task, racers, .true., begun + 0.8_dp*request%budget, watch)
+      call search_steps(task, racers, usual_slack, begun + 0.8_dp*request%budget, watch)
       if (all(racers%met == 0)) then
          call refuse(scene, request, list, racers, task, error)
          return
       end if
-      call time_finalists(scene, request, task, list, racers, begun + 0.97_dp*request%budget, answer)
+      call time_finalists(scene, request, task, list, racers, begun + 0.97_dp*request%budget, &
+         answer)
       answer%candidates = count(racers%best_multiple > 0)
       answer%seconds = wall_seconds() - begun
    end subroutine choose_method
@@ -98,9 +104,11 @@ contains
       integer :: i
       call quiet_scene(scene, quiet)
       call look_at(quiet, kind, error)
-      if (.not. raised(error)) call list_candidates(quiet, kind, request%methods, request%splittings, list, error)
+      if (.not. raised(error)) call list_candidates(quiet, kind, request%methods, &
+         request%splittings, list, error)
       if (.not. raised(error)) call draw_members(quiet, kind%coupled, &
-                                                 max(lanes, int(min(body_total(scene), int(most_own, i8)))), &
+                                                 max(lanes, int(min(body_total(scene), &
+                                                    int(most_own, i8)))), &
                                                  near_by, task%members, error)
       if (raised(error)) return
       task%tol = request%tol
@@ -121,9 +129,11 @@ contains
       answer%t_measured = task%t_end
       answer%bodies = task%members%n
       answer%own = task%members%own
+      answer%noisy = kind%noisy
    end subroutine prepare_task
 
-   !> A reference good enough for the tolerance, to the scene's end or, where that takes too long, to
+   !> A reference good enough for the tolerance, to the scene's end or, where that takes too long,
+   !> to
    !> an earlier time; errors are then taken to grow in proportion to time.
    subroutine window(quiet, kind, request, task, answer, error)
       type(scene_settings), intent(in) :: quiet
@@ -140,10 +150,12 @@ contains
       share = 0.2_dp
       do tries = 1, 6
          failure = poinsot_error()
-         call find_reference(quiet, kind, task%members, task%t_end, 1, share*request%budget, reference, failure, &
+         call find_reference(quiet, kind, task%members, task%t_end, 1, share*request%budget, &
+            reference, failure, &
                              0.01_dp*task%tol)
          own_error = huge(own_error)
-         if (.not. raised(failure)) own_error = max(median(reference%angle), median(reference%momentum))
+         if (.not. raised(failure)) own_error = max(median(reference%angle), &
+            median(reference%momentum))
          if (own_error < 0.1_dp*task%tol) exit
          if (own_error < 1e-13_dp .or. kind%free) exit ! rounding: a shorter time changes nothing
          task%t_end = task%t_end/4
@@ -158,7 +170,8 @@ contains
       answer%reference = reference%how
    end subroutine window
 
-   !> Steps that outputs ask for at least, to time t: a step is never longer than from one to the next.
+   !> Steps that outputs ask for at least, to time t: a step is never longer than from one to the
+   !> next.
    pure integer(i8) function least_steps(scene, longest, t) result(steps)
       type(scene_settings), intent(in) :: scene
       real(dp), intent(in) :: longest, t
@@ -176,48 +189,48 @@ contains
       real(dp), intent(in) :: deadline
       type(choice), intent(inout) :: answer
       type(member_set) :: many
-      real(dp) :: price(size(list)), ns(repeats), times(repeats, finalists), h
+      real(dp) :: price(size(list)), ns(repeats), times(repeats, finalists), h, least
       integer :: at(finalists), i, k, n, round, done
       many = task%members
-      if (many%together == 1) call repeat_members(task%members, int(min(body_total(scene), 1024_i8)), many)
-      price = huge(price)
+      if (many%together == 1) call repeat_members(task%members, int(min(body_total(scene), &
+         1024_i8)), many)
+      price = no_price
       where (racers%met > 0) price = racers%ns*real(racers%met, dp)
       n = 0
+      least = 0
       do i = 1, finalists
          k = minloc(price, 1)
-         if (.not. price(k) < huge(price)) exit
-         if (i > 3 .and. price(k) > final_share*price_of(racers(at(1)))) exit
+         if (.not. price(k) < no_price) exit
+         if (i == 1) least = price(k)
+         if (i > 3 .and. price(k) > final_share*least) exit
          n = n + 1
          at(n) = k
-         price(k) = huge(price)
+         price(k) = no_price
       end do
       done = 0
       do round = 1, repeats
          if (round > 1 .and. wall_seconds() > deadline) exit
          do i = 1, n
             h = task%longest/real(racers(at(i))%met, dp)
-            call time_steps(racers(at(i))%plan, many, h, racers(at(i))%ns*max(1, lanes/many%n), one_run, &
-                            task%unit*racers(at(i))%met + 1000, .true., times(round, i))
+            call time_steps(racers(at(i))%plan, many, h, racers(at(i))%ns*max(1, lanes/many%n), &
+               one_run, &
+                            task%unit*racers(at(i))%met, .true., times(round, i))
          end do
          done = round
       end do
-      price = huge(price)
+      price = no_price
       do i = 1, n
          ns(1) = median(times(:done, i))
-         price(at(i)) = ns(1)*real(racers(at(i))%met, dp)
+         if (minval(times(:done, i)) > 0) price(at(i)) = ns(1)*real(racers(at(i))%met, dp)
       end do
       call take_best(scene, task, list, racers, price, answer%best)
       k = minloc(price, 1)
-      price(k) = huge(price)
-      if (minval(price) < huge(price)) call take_best(scene, task, list, racers, price, answer%runner_up)
+      price(k) = no_price
+      if (minval(price) < no_price) call take_best(scene, task, list, racers, price, &
+         answer%runner_up)
       associate (unused => request%tol)
       end associate
    end subroutine time_finalists
-
-   pure real(dp) function price_of(one)
-      type(contender), intent(in) :: one
-      price_of = one%ns*real(one%met, dp)
-   end function price_of
 
    !> The cheapest as an answer.
    subroutine take_best(scene, task, list, racers, price, best)
@@ -248,14 +261,17 @@ contains
       integer :: k
       k = minloc(racers%best_error, 1)
       if (racers(k)%best_multiple == 0) then
-         call raise(error, poinsot_e_convergence, scene%file // ": no method comes through with any step " // &
+         call raise(error, poinsot_e_convergence, scene%file // &
+            ": no method comes through with any step " // &
                     "that the budget of " // brief_number(request%budget) // " s allows")
          return
       end if
       call raise(error, poinsot_e_convergence, scene%file // ": nothing meets the tolerance " // &
-                 brief_number(request%tol) // " within " // brief_number(request%budget) // " s; " // &
+                 brief_number(request%tol) // " within " // brief_number(request%budget) // &
+                    " s; " // &
                  label_of(list(k)) // " with h = " // &
-                 text_of(task%longest/real(racers(k)%best_multiple, dp)) // " comes nearest, with an error of " // &
+                 text_of(task%longest/real(racers(k)%best_multiple, dp)) // &
+                    " comes nearest, with an error of " // &
                  brief_number(racers(k)%best_error))
    end subroutine refuse
 

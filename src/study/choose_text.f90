@@ -25,9 +25,11 @@ contains
       type(text_line), allocatable, intent(out) :: lines(:)
       allocate (lines(0))
       call add("scene       " // scene%name // " to t = " // text_of(scene%t_end))
-      call add("tolerance   " // brief_number(tol) // " at the end: attitude in radians, momentum over |y|")
+      call add("tolerance   " // brief_number(tol) // &
+         " at the end: attitude in radians, momentum over |y|")
       call add("method      " // trim(answer%best%way%method))
-      if (answer%best%way%splitting /= no_splitting) call add("splitting   " // trim(answer%best%way%splitting))
+      if (answer%best%way%splitting /= no_splitting) call add("splitting   " // &
+         trim(answer%best%way%splitting))
       call add("step h      " // text_of(answer%best%h))
       call add("error       " // brief_number(answer%best%error) // " predicted; " // &
                brief_number(answer%best%near) // " is the median of " // text_of(answer%bodies) // &
@@ -35,17 +37,22 @@ contains
       call add("time        " // brief_number(answer%best%ns) // " ns a body-step, " // &
                brief_number(answer%best%run) // " s the run, on one thread")
       if (answer%runner_up%h > 0) then
-         call add("runner-up   " // label_of(answer%runner_up%way) // ", h = " // text_of(answer%runner_up%h) // &
-                  ", " // brief_number(answer%runner_up%run/answer%best%run) // " times as long, error " // &
+         call add("runner-up   " // label_of(answer%runner_up%way) // ", h = " // &
+            text_of(answer%runner_up%h) // &
+                  ", " // brief_number(answer%runner_up%run/answer%best%run) // &
+                     " times as long, error " // &
                   brief_number(answer%runner_up%error))
       else
          call add("runner-up   none: no other meets the tolerance")
       end if
       call add("reference   " // answer%reference)
+      if (answer%noisy) call add("noise       was off in the trials: the error is that of friction and turns")
       if (answer%t_measured < scene%t_end) then
-         call add("measured    to t = " // text_of(answer%t_measured) // "; errors are taken to grow in proportion to time")
+         call add("measured    to t = " // text_of(answer%t_measured) // &
+            "; errors are taken to grow in proportion to time")
       end if
-      call add("chosen      in " // brief_number(answer%seconds) // " s, among " // text_of(answer%candidates) // &
+      call add("chosen      in " // brief_number(answer%seconds) // " s, among " // &
+         text_of(answer%candidates) // &
                " that came through")
 
    contains
@@ -62,8 +69,10 @@ contains
       real(dp), intent(in) :: tol
       type(choice), intent(in) :: answer
       character(:), allocatable :: text
-      text = label_of(answer%best%way) // ", h = " // text_of(answer%best%h) // " for tol = " // brief_number(tol) // &
-             ": error " // brief_number(answer%best%error) // ", " // brief_number(answer%best%ns) // &
+      text = label_of(answer%best%way) // ", h = " // text_of(answer%best%h) // " for tol = " // &
+         brief_number(tol) // &
+             ": error " // brief_number(answer%best%error) // ", " // &
+                brief_number(answer%best%ns) // &
              " ns a body-step on this machine; found in " // brief_number(answer%seconds) // " s"
    end function choice_sentence
 
@@ -82,10 +91,12 @@ contains
       values(1)%text = "'" // trim(answer%best%way%method) // "'"
       values(2)%text = "'" // scene%splitting // "'"
       if (scene%splitting == "auto") values(2)%text = "'srkn6'"
-      if (answer%best%way%splitting /= no_splitting) values(2)%text = "'" // trim(answer%best%way%splitting) // "'"
+      if (answer%best%way%splitting /= no_splitting) values(2)%text = "'" // &
+         trim(answer%best%way%splitting) // "'"
       values(3)%text = text_of(answer%best%h)
       values(4)%text = text_of(tol)
-      call fill_scene(scene%file, path, "chosen by poinsot choose: " // choice_sentence(tol, answer), keys, values, &
+      call fill_scene(scene%file, path, "chosen by poinsot choose: " // choice_sentence(tol, &
+         answer), keys, values, &
                       error)
       if (raised(error)) return
       call read_source(path, source, error)

@@ -22,7 +22,8 @@ contains
       character(*), intent(in) :: from, to       !! files
       character(*), intent(in) :: head           !! a comment for the first line
       character(*), intent(in) :: keys(:)
-      type(text_line), intent(in) :: values(:)   !! as they stand in the file, strings with their quotes
+      type(text_line), intent(in) :: values(:) !! as they stand in the file, strings with their
+         !! quotes
       type(poinsot_error), intent(inout) :: error
       type(text_line), allocatable :: lines(:)
       type(out_file) :: file
@@ -80,7 +81,8 @@ contains
       close (unit, iostat=code)
    end subroutine read_lines
 
-   !> Set keys of the first group of a name. A value that is there is replaced where it stands; a key
+   !> Set keys of the first group of a name. A value that is there is replaced where it stands; a
+   !> key
    !> that is not there is added behind the group's name.
    subroutine set_keys(lines, group, keys, values, found)
       type(text_line), allocatable, intent(inout) :: lines(:)
@@ -171,7 +173,8 @@ contains
       integer, intent(inout) :: at
       character(*), intent(in) :: value
       integer :: last
-      do while (at < len(text) .and. scan(text(min(at, len(text)):min(at, len(text))), " " // achar(9)) > 0)
+      do while (at < len(text) .and. scan(text(min(at, len(text)):min(at, len(text))), " " // &
+         achar(9)) > 0)
          at = at + 1
       end do
       last = at - 1
@@ -185,7 +188,8 @@ contains
       text = text(:at - 1) // value // text(last + 1:)
    end subroutine replace_value
 
-   !> "key = value" behind the group's name: on a line of its own where that line holds nothing else.
+   !> "key = value" behind the group's name: on a line of its own where that line holds nothing
+   !> else.
    subroutine add_key(lines, first, at, entry)
       type(text_line), allocatable, intent(inout) :: lines(:)
       integer, intent(in) :: first, at

@@ -46,14 +46,15 @@ contains
       real(dp), intent(in) :: seconds                !! budget
       type(reference_solution), intent(out) :: reference
       type(poinsot_error), intent(inout) :: error
-      real(dp), intent(in), optional :: enough       !! an error small enough; absent: rounding alone
+      real(dp), intent(in), optional :: enough !! an error small enough; absent: rounding alone
       real(dp) :: target_error
       target_error = 0
       if (present(enough)) target_error = enough
       if (kind%free) then
          call solve_free(scene, members, t_end, checks, reference, error)
       else
-         call solve_forced(scene, kind, members, t_end, checks, seconds, target_error, reference, error)
+         call solve_forced(scene, kind, members, t_end, checks, seconds, target_error, reference, &
+            error)
       end if
    end subroutine find_reference
 
@@ -124,7 +125,8 @@ contains
       call list_candidates(scene, kind, [character(24) :: "exact"], any_name, list, error)
       if (raised(error)) return
       call two_best(list, best, other)
-      call refine(scene, kind, best, members, t_end, checks, 0.5_dp*seconds, enough, reference%state, &
+      call refine(scene, kind, best, members, t_end, checks, 0.5_dp*seconds, enough, &
+         reference%state, &
                   steps(1), change(1), error)
       if (.not. raised(error)) call refine(scene, kind, other, members, t_end, checks, &
          0.5_dp*seconds, enough, &
@@ -176,7 +178,8 @@ contains
    end function rank
 
    !> One scheme with steps halved until the change stops shrinking.
-   subroutine refine(scene, kind, one, members, t_end, checks, seconds, enough, state, steps, change, error)
+   subroutine refine(scene, kind, one, members, t_end, checks, seconds, enough, state, steps, &
+      change, error)
       type(scene_settings), intent(in) :: scene
       type(scene_kind), intent(in) :: kind
       type(candidate), intent(in) :: one
