@@ -57,8 +57,8 @@ contains
          call put([character(100) :: &
             "poinsot choose SCENE --tol 1e-8 [OPTIONS]", &
             "", &
-            "Finds the cheapest method, splitting and step that meet a tolerance at the scene's end,", &
-            "on the scene's own bodies and on this machine, and writes the scene with it filled in.", &
+            "Finds the cheapest method, splitting and step that meet a tolerance at the scene's", &
+            "end, on its own bodies and on this machine, and writes the scene with them filled in.", &
             "The tolerance is for the attitude, in radians, and for the momentum, over its size.", &
             "", &
             "   --tol TOL              the tolerance, 1e-15 to 1 (default &scene tol)", &
@@ -68,8 +68,9 @@ contains
             "   --splittings A,B,C     among these only", &
             "   --quiet                print errors only", &
             "", &
-            "A scene with method = 'auto' does the same when it starts, for &scene tol, and says in", &
-            "its summary and restart what it chose. Exit code 3: nothing meets the tolerance."])
+            "A scene with method = 'auto' or splitting = 'auto' does the same when it starts, for", &
+            "&scene tol, within 5 seconds, and says in its summary and restart what it chose; a", &
+            "restart never chooses again. Exit code 3: nothing meets the tolerance."])
       case ("methods")
          call put([character(100) :: &
             "poinsot methods", &

@@ -9,11 +9,12 @@ module app_run
    use poinsot_scene_reader, only: read_source
    use poinsot_scene_override, only: override
    use poinsot_scene_build, only: build_scene
-   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: step_total, output_count
    use poinsot_scene_run, only: run_scene, check_scene
    use poinsot_scene_pictures, only: picture_names
    use poinsot_scene_summary, only: run_report
+   use poinsot_study_auto, only: settle
    use app_arguments, only: word, word_list, option_value, is_option
    use app_codes, only: exit_ok, exit_runtime, exit_usage, exit_of_run
    use app_find_scene, only: find_scene, shipped_scenes
@@ -172,8 +173,12 @@ contains
       type(run_options), intent(in) :: options
       integer, intent(out) :: code
       type(poinsot_error) :: error
+      type(scene_settings) :: trial
       real(dp) :: rows
-      call check_scene(scene, error)
+      trial = scene
+      if (trial%method == "auto") trial%method = "exact"
+      if (trial%splitting == "auto") trial%splitting = "srkn6"
+      call check_scene(trial, error)
       code = exit_ok
       if (raised(error)) then
          call complain(scene%file // ": " // error%message)
@@ -186,15 +191,19 @@ contains
       rows = rows*output_count(scene)
       call say(scene%file // ": the scene is right")
       call say("   bodies   " // text_of(body_total(scene)))
-      call say("   steps    " // text_of(nint(step_total(scene), i8)) // " of '" // &
-         scene%method // "'")
+      if (is_auto(scene)) then
+         call say("   steps    chosen at the start, for tol = " // text_of(scene%tol))
+      else
+         call say("   steps    " // text_of(nint(step_total(scene), i8)) // " of '" // &
+                  scene%method // "'")
+      end if
       call say("   rows     " // text_of(nint(rows, i8)) // " of trajectory, about " // &
                text_of(nint(rows*240/1e6_dp, i8)) // " MB")
    end subroutine check_only
 
    !> Run, report, draw.
    subroutine run_it(scene, options, code)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(inout) :: scene     !! `auto` gets its choice
       type(run_options), intent(in) :: options
       integer, intent(out) :: code
       type(progress_watch) :: watch
@@ -205,7 +214,9 @@ contains
       if (len(out) == 0) out = "poinsot-out/" // scene%name
       watch%shown = error_is_terminal() .and. .not. options%quiet
       call catch_interrupts()
-      call run_scene(scene, out, watch, report, error)
+      call settle(scene, watch, error)
+      call watch%wipe()
+      if (.not. raised(error)) call run_scene(scene, out, watch, report, error)
       call watch%wipe()
       code = exit_of_run(error%code)
       if (raised(error)) then

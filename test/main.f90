@@ -6,6 +6,7 @@ program check_poinsot
    use testdrive, only: run_selected, get_argument
    use poinsot_core_kinds, only: dp, i8
    use test_body, only: collect_body
+   use test_choose, only: collect_choose, collect_choose_deep
    use test_core, only: collect_core
    use test_drift, only: collect_drift, collect_drift_deep
    use test_effect, only: collect_effect
@@ -39,7 +40,8 @@ program check_poinsot
       new_testsuite("splitting", collect_splitting), &
       new_testsuite("ensemble", collect_ensemble), &
       new_testsuite("scene", collect_scene), &
-      new_testsuite("study", collect_study)]
+      new_testsuite("study", collect_study), &
+      new_testsuite("choose", collect_choose)]
    first = 1
    call get_argument(first, suite)
    if (allocated(suite)) then
@@ -79,7 +81,8 @@ contains
    !> Suites that take long: `make check-deep`.
    function deep_suites() result(list)
       type(testsuite_type), allocatable :: list(:)
-      list = [new_testsuite("long-drift", collect_drift_deep)]
+      list = [new_testsuite("long-drift", collect_drift_deep), &
+              new_testsuite("choose-promise", collect_choose_deep)]
    end function deep_suites
 
    !> All tests of a suite, one after the other: some of them change thread counts.

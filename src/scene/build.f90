@@ -7,7 +7,7 @@ module poinsot_scene_build
    use poinsot_effect_settings, only: effect_info, setting
    use poinsot_scene_text, only: text_of, quoted
    use poinsot_scene_source, only: scene_source, find_group, refuse
-   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_names, only: effect_table, method_list, splitting_list, is_exact_method
    use poinsot_scene_typed_group, only: typed_group, meet, given, number_of, numbers_of, word_of, &
@@ -103,6 +103,7 @@ contains
       scene%method = word_of(group, "method")
       scene%splitting = word_of(group, "splitting")
       scene%from = word_of(group, "from")
+      scene%chosen = ""
       if (scene%t_end <= 0) then
          call complain(group, "t_end", "= " // text_of(scene%t_end) // " must be positive", error)
       else if (scene%h < 0 .or. (given(group, "h") .and. scene%h <= 0)) then
@@ -320,6 +321,8 @@ contains
       line = source%groups(find_group(source, "scene"))%line
       if (step_total(scene) > most_steps) then
          call refuse(error, scene%file, line, "&scene: more than 1e15 steps; give a longer h")
+      else if (is_auto(scene)) then
+         return ! the step will be chosen too; one that is given is the longest allowed
       else if (scene%h <= 0 .and. size(scene%effects) > 0) then
          call refuse(error, scene%file, line, "&scene: the key ""h"" is required, because of &" // &
                      scene%effects(1)%name // "; only free bodies do without")

@@ -19,10 +19,10 @@ contains
             "the run goes from t = 0 (or from a restart) to here"), &
          number_key("h", 1, 1, "0", "time", &
             "step; may be left out for free bodies and an exact method"), &
-         text_key("method", "exact", "", "how a body turns between kicks: poinsot methods"), &
-         text_key("splitting", "srkn6", "", "how kicks and turns alternate: poinsot splittings"), &
+         text_key("method", "exact", "", "how a body turns: poinsot methods; auto = chosen at start"), &
+         text_key("splitting", "srkn6", "", "how kicks and turns alternate: poinsot splittings; or auto"), &
          number_key("tol", 1, 1, "1e-8", "relative", &
-            "tolerance, used by splitting = 'auto' and by poinsot choose"), &
+            "tolerance at t_end, of 'auto' and of poinsot choose"), &
          number_key("seed", 1, 1, "1", "integer", "seed of all random numbers"), &
          number_key("threads", 1, 1, "0", "integer", "threads; 0 = as many as OpenMP offers"), &
          text_key("from", "", "", "restart file to continue from")]

@@ -12,14 +12,15 @@ module poinsot_scene_names
 
 contains
 
-   !> Names of all methods.
+   !> Names of all methods, and `auto`.
    subroutine method_list(names)
       character(24), allocatable, intent(out) :: names(:)
       integer :: i
-      allocate (names(method_count()))
-      do i = 1, size(names)
+      allocate (names(method_count() + 1))
+      do i = 1, method_count()
          names(i) = method_name(i)
       end do
+      names(method_count() + 1) = "auto"
    end subroutine method_list
 
    !> Names of all splittings, and `auto`.

@@ -11,7 +11,7 @@ module poinsot_scene_restart
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    implicit none(type, external)
    private
-   public :: restart_state, write_restart, read_restart, sum_of_kinds
+   public :: restart_state, write_restart, read_restart, read_choice, sum_of_kinds
 
    integer, parameter :: version = 1
    character(*), parameter :: magic = "poinsot-restart"
@@ -131,6 +131,32 @@ contains
       if (.not. raised(error)) call read_bodies(unit, path, int(bodies), state, error)
       close (unit)
    end subroutine read_restart
+
+   !> Method, splitting and step of a restart file: what a scene that leaves them to `auto` goes on
+   !> with. Errors as of read_restart.
+   subroutine read_choice(path, method, splitting, h, error)
+      character(*), intent(in) :: path
+      character(:), allocatable, intent(out) :: method, splitting
+      real(dp), intent(out) :: h                  !! 0: none
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: word
+      character(200) :: reason
+      integer :: unit, code, line
+      h = 0
+      line = 0
+      open (newunit=unit, file=path, action="read", status="old", iostat=code, iomsg=reason)
+      if (code /= 0) then
+         call raise(error, poinsot_e_io, path // ": cannot be opened: " // trim(reason))
+         return
+      end if
+      call next(unit, path, magic, line, word, error)
+      call next(unit, path, "method", line, method, error)
+      call next(unit, path, "splitting", line, splitting, error)
+      call next(unit, path, "t", line, word, error)
+      call next(unit, path, "h", line, word, error)
+      call one_real(path, line, word, h, error)
+      close (unit, iostat=code)
+   end subroutine read_choice
 
    !> Everything before the bodies.
    subroutine read_head(unit, path, bodies, kinds, state, error)

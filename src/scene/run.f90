@@ -2,9 +2,10 @@
 module poinsot_scene_run
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised, clear
-   use poinsot_core_status, only: poinsot_e_memory, poinsot_e_scene, poinsot_e_io
+   use poinsot_core_status, only: poinsot_e_memory, poinsot_e_method, poinsot_e_scene, &
+      poinsot_e_io
    use poinsot_scene_text, only: text_of
-   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
    use poinsot_scene_states, only: body_states, first_states
    use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy
@@ -104,6 +105,11 @@ contains
       integer :: code
       report%method = scene%method
       report%splitting = scene%splitting
+      if (is_auto(scene)) then
+         call raise(error, poinsot_e_method, scene%file // ": 'auto' is to be settled before the " // &
+                    "run (poinsot_study_auto)")
+         return
+      end if
       call first_states(scene, run%states, error)
       if (.not. raised(error)) call start_engine(scene, run%engine, error)
       if (.not. raised(error)) call continue_from(scene, out, run, report, error)

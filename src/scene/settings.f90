@@ -4,7 +4,7 @@ module poinsot_scene_settings
    use poinsot_effect_settings, only: setting
    implicit none(type, external)
    private
-   public :: scene_settings, body_group, effect_setting, output_settings, body_total
+   public :: scene_settings, body_group, effect_setting, output_settings, body_total, is_auto
    public :: random_none, random_uniform, random_thermal
 
    integer, parameter :: random_none = 0, random_uniform = 1, random_thermal = 2
@@ -57,6 +57,7 @@ module poinsot_scene_settings
       integer(i8) :: seed = 1
       integer :: threads = 0                  !! 0: as many as OpenMP offers
       character(:), allocatable :: from       !! restart file to continue from, "" = none
+      character(:), allocatable :: chosen     !! what `auto` chose and promises, "" = nothing
       type(body_group), allocatable :: bodies(:)
       type(effect_setting), allocatable :: effects(:)
       type(output_settings) :: output
@@ -69,5 +70,11 @@ contains
       type(scene_settings), intent(in) :: scene
       body_total = sum(scene%bodies%count)
    end function body_total
+
+   !> Is the method, the splitting or both still to be chosen?
+   pure logical function is_auto(scene)
+      type(scene_settings), intent(in) :: scene
+      is_auto = scene%method == "auto" .or. scene%splitting == "auto" .and. size(scene%effects) > 0
+   end function is_auto
 
 end module poinsot_scene_settings

@@ -79,6 +79,7 @@ contains
       call row(file, "effects", effects, error)
       call row(file, "method", report%method, error)
       if (size(scene%effects) > 0) call row(file, "splitting", report%splitting, error)
+      if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
       call row(file, "seed", text_of(scene%seed), error)
       if (len(scene%from) > 0) call row(file, "continued from", scene%from, error)
    end subroutine put_run

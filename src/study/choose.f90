@@ -1,5 +1,10 @@
 !> The cheapest method, splitting and step that meet a tolerance on a scene and a machine, by trial
+<<<<<<< HEAD
 !> on the scene's own bodies.
+=======
+!> on
+!> the scene's own bodies.
+>>>>>>> cost
 module poinsot_study_choose
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -15,13 +20,13 @@ module poinsot_study_choose
    use poinsot_study_clock, only: wall_seconds
    use poinsot_study_members, only: member_set, draw_members, repeat_members
    use poinsot_study_reference, only: reference_solution, find_reference
-   use poinsot_study_search, only: problem, contender, search_steps
+   use poinsot_study_search, only: problem, contender, search_steps, usual_slack
    use poinsot_study_statistics, only: median
    use poinsot_study_timing, only: time_steps
    use poinsot_study_trial, only: make_plan
    implicit none(type, external)
    private
-   public :: choose_request, choice, chosen, choose_method, prepare_task, time_finalists
+   public :: choose_request, choice, chosen, choose_method, prepare_task
 
    !> What is asked.
    type :: choose_request
@@ -45,25 +50,40 @@ module poinsot_study_choose
    type :: choice
       type(chosen) :: best, runner_up          !! runner_up%h = 0: there is none
       character(:), allocatable :: reference   !! how errors were measured
+<<<<<<< HEAD
       real(dp) :: t_measured = 0               !! to which time; the scene's end if it was near
                                                !! enough
+=======
+      real(dp) :: t_measured = 0 !! to which time; the scene's end if it was near enough
+>>>>>>> cost
       integer :: bodies = 0, own = 0           !! states tried, the scene's own among them
       integer :: candidates = 0                !! that ran
+      logical :: noisy = .false.               !! the scene has noise, the trials had not
       real(dp) :: seconds = 0                  !! spent
    end type choice
 
    integer, parameter :: most_own = 128        !! of the scene's bodies, if it has many
+<<<<<<< HEAD
    real(dp), parameter :: near_by = 0.02_dp    !! spread of the states beside the scene's own,
                                                !! radians
+=======
+   real(dp), parameter :: near_by = 0.02_dp !! spread of the states beside the scene's own, radians
+>>>>>>> cost
    real(dp), parameter :: whole_margin = 1.1_dp, sample_margin = 2 !! all bodies tried; some of them
    integer, parameter :: finalists = 10, repeats = 9
    real(dp), parameter :: final_share = 1.5_dp !! times the cheapest: timed again
    real(dp), parameter :: one_run = 1e-3_dp
+   real(dp), parameter :: no_price = 1e100_dp  !! of who does not meet the tolerance
 
 contains
 
    !> Choose. Errors: what the plan refuses; POINSOT_E_CONVERGENCE if nothing meets the tolerance,
+<<<<<<< HEAD
    !> with the best there is.
+=======
+   !> with
+   !> the best there is.
+>>>>>>> cost
    subroutine choose_method(scene, request, watch, answer, error)
       type(scene_settings), intent(in) :: scene
       type(choose_request), intent(in) :: request
@@ -77,7 +97,7 @@ contains
       begun = wall_seconds()
       call prepare_task(scene, request, task, list, racers, answer, error)
       if (raised(error)) return
-      call search_steps(task, racers, .true., begun + 0.8_dp*request%budget, watch)
+      call search_steps(task, racers, usual_slack, begun + 0.8_dp*request%budget, watch)
       if (all(racers%met == 0)) then
          call refuse(scene, request, list, racers, task, error)
          return
@@ -127,10 +147,16 @@ contains
       answer%t_measured = task%t_end
       answer%bodies = task%members%n
       answer%own = task%members%own
+      answer%noisy = kind%noisy
    end subroutine prepare_task
 
    !> A reference good enough for the tolerance, to the scene's end or, where that takes too long,
+<<<<<<< HEAD
    !> to an earlier time; errors are then taken to grow in proportion to time.
+=======
+   !> to
+   !> an earlier time; errors are then taken to grow in proportion to time.
+>>>>>>> cost
    subroutine window(quiet, kind, request, task, answer, error)
       type(scene_settings), intent(in) :: quiet
       type(scene_kind), intent(in) :: kind
@@ -185,21 +211,27 @@ contains
       real(dp), intent(in) :: deadline
       type(choice), intent(inout) :: answer
       type(member_set) :: many
-      real(dp) :: price(size(list)), ns(repeats), times(repeats, finalists), h
+      real(dp) :: price(size(list)), ns(repeats), times(repeats, finalists), h, least
       integer :: at(finalists), i, k, n, round, done
       many = task%members
       if (many%together == 1) call repeat_members(task%members, int(min(body_total(scene), &
          1024_i8)), many)
+<<<<<<< HEAD
       price = huge(price)
+=======
+      price = no_price
+>>>>>>> cost
       where (racers%met > 0) price = racers%ns*real(racers%met, dp)
       n = 0
+      least = 0
       do i = 1, finalists
          k = minloc(price, 1)
-         if (.not. price(k) < huge(price)) exit
-         if (i > 3 .and. price(k) > final_share*price_of(racers(at(1)))) exit
+         if (.not. price(k) < no_price) exit
+         if (i == 1) least = price(k)
+         if (i > 3 .and. price(k) > final_share*least) exit
          n = n + 1
          at(n) = k
-         price(k) = huge(price)
+         price(k) = no_price
       end do
       done = 0
       do round = 1, repeats
@@ -208,28 +240,32 @@ contains
             h = task%longest/real(racers(at(i))%met, dp)
             call time_steps(racers(at(i))%plan, many, h, racers(at(i))%ns*max(1, lanes/many%n), &
                one_run, &
+<<<<<<< HEAD
                             task%unit*racers(at(i))%met + 1000, .true., times(round, i))
+=======
+                            task%unit*racers(at(i))%met, .true., times(round, i))
+>>>>>>> cost
          end do
          done = round
       end do
-      price = huge(price)
+      price = no_price
       do i = 1, n
          ns(1) = median(times(:done, i))
-         price(at(i)) = ns(1)*real(racers(at(i))%met, dp)
+         if (minval(times(:done, i)) > 0) price(at(i)) = ns(1)*real(racers(at(i))%met, dp)
       end do
       call take_best(scene, task, list, racers, price, answer%best)
       k = minloc(price, 1)
+<<<<<<< HEAD
       price(k) = huge(price)
       if (minval(price) < huge(price)) call take_best(scene, task, list, racers, price, &
+=======
+      price(k) = no_price
+      if (minval(price) < no_price) call take_best(scene, task, list, racers, price, &
+>>>>>>> cost
          answer%runner_up)
       associate (unused => request%tol)
       end associate
    end subroutine time_finalists
-
-   pure real(dp) function price_of(one)
-      type(contender), intent(in) :: one
-      price_of = one%ns*real(one%met, dp)
-   end function price_of
 
    !> The cheapest as an answer.
    subroutine take_best(scene, task, list, racers, price, best)

@@ -273,7 +273,7 @@ contains
                call time_steps(plan, many, p%h, p%guess, one_run, p%steps, request%compensated, &
                   ns(round, i))
                if (study%members%together == 1) then
-                  call time_steps(plan, one, p%h, lanes*p%guess, 0.5_dp*one_run, 2*p%steps + 100, &
+                  call time_steps(plan, one, p%h, lanes*p%guess, 0.5_dp*one_run, p%steps, &
                                   request%compensated, alone(round, i))
                end if
                p%repeats = round

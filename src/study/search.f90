@@ -1,6 +1,12 @@
 !> The longest step with which a candidate meets a tolerance, and the cheapest candidate: all of
+<<<<<<< HEAD
 !> them with long steps first; whoever is dearer than a candidate that meets the tolerance already
 !> is out.
+=======
+!> them
+!> with long steps first; whoever is dearer than a candidate that meets the tolerance already is
+!> out.
+>>>>>>> cost
 module poinsot_study_search
    use poinsot_core_kinds, only: dp, i8
    use poinsot_ensemble_plan, only: poinsot_plan
@@ -23,8 +29,12 @@ module poinsot_study_search
       real(dp) :: growth = 1               !! errors are so much larger at the scene's own end
       real(dp) :: tol = 0                  !! largest error allowed
       real(dp) :: margin = 1               !! times the error measured must be within
+<<<<<<< HEAD
       integer(i8) :: unit = 1              !! steps come in multiples of this (pieces between
                                            !! outputs)
+=======
+      integer(i8) :: unit = 1 !! steps come in multiples of this (pieces between outputs)
+>>>>>>> cost
       real(dp) :: longest = 0              !! step with one multiple
    end type problem
 
@@ -37,22 +47,24 @@ module poinsot_study_search
       integer(i8) :: met = 0               !! fewest that did; 0: none yet
       real(dp) :: error = 0                !! with `met` multiples, before the margin
       real(dp) :: own = 0, near = 0        !! the scene's own, and the median of all
-      real(dp) :: last = huge(1.0_dp)      !! error of the last try
+      real(dp) :: last = huge(1.0_dp)      !! error of the last try ...
+      real(dp) :: paid = 0                 !! ... and its price
       real(dp) :: ns = 0                   !! of a body-step, as seen in passing
       real(dp) :: best_error = huge(1.0_dp)
       integer(i8) :: best_multiple = 0
    end type contender
 
-   real(dp), parameter :: dearer = 1.6_dp      !! seen in passing, times are so uncertain
+   real(dp), parameter, public :: usual_slack = 1.6_dp !! seen in passing, times are so uncertain
    real(dp), parameter :: close_enough = 1.06_dp
 
 contains
 
-   !> Run the race. `prune` false: everybody finishes (the exhaustive search).
-   subroutine search_steps(task, racers, prune, deadline, watch)
+   !> Run the race. Who is `slack` times dearer than another that meets the tolerance is out: with
+   !> usual_slack a choice, with a large one an exhaustive search.
+   subroutine search_steps(task, racers, slack, deadline, watch)
       type(problem), intent(in) :: task
       type(contender), intent(inout) :: racers(:)
-      logical, intent(in) :: prune
+      real(dp), intent(in) :: slack
       real(dp), intent(in) :: deadline           !! on the wall clock
       class(run_watch), intent(inout) :: watch
       integer(i8) :: multiple
@@ -70,14 +82,15 @@ contains
             end if
             call try_steps(task, multiple, racers(i))
             racers(i)%running = racers(i)%met == 0
-            if (prune .and. racers(i)%running) racers(i)%running = price(racers(i), multiple) <= &
-                                               dearer*best_price(racers)
+            if (racers(i)%running) racers(i)%running = price(racers(i), multiple) <= &
+                                                       slack*best_price(racers)
             if (stalled(racers(i), multiple)) racers(i)%running = .false.
+            if (beaten(racers, i, 2*slack)) racers(i)%running = .false.
             call watch%tell(wall_seconds() - begun, deadline - begun)
          end do
          multiple = 2*multiple
       end do
-      call narrow(task, racers, prune, deadline, watch)
+      call narrow(task, racers, slack, deadline, watch)
    end subroutine search_steps
 
    !> Rounding is reached, and shorter steps do not help.
@@ -87,6 +100,15 @@ contains
       stalled = one%best_multiple > 0 .and. one%best_error < 1e-10_dp .and. &
          multiple >= 8*one%best_multiple
    end function stalled
+
+   !> Another is as accurate for a fraction of the price.
+   pure logical function beaten(racers, i, slack)
+      type(contender), intent(in) :: racers(:)
+      integer, intent(in) :: i
+      real(dp), intent(in) :: slack
+      beaten = racers(i)%met == 0 .and. racers(i)%last < 0.1_dp .and. &
+               any(racers%last <= racers(i)%last .and. slack*racers%paid < racers(i)%paid)
+   end function beaten
 
    !> Seconds that a try will take.
    pure real(dp) function estimate(task, one, multiple)
@@ -118,6 +140,7 @@ contains
       own = maxval(angle(:task%members%own))
       off = max(near, own)
       one%last = off
+      one%paid = price(one, multiple)
       if (off < 0.7_dp*one%best_error) then
          one%best_error = off
          one%best_multiple = multiple
@@ -143,17 +166,17 @@ contains
    pure real(dp) function best_price(racers)
       type(contender), intent(in) :: racers(:)
       integer :: i
-      best_price = huge(best_price)/4
+      best_price = 1e100_dp
       do i = 1, size(racers)
          if (racers(i)%met > 0) best_price = min(best_price, price(racers(i), racers(i)%met))
       end do
    end function best_price
 
    !> Close in on the fewest steps of those that may still win.
-   subroutine narrow(task, racers, prune, deadline, watch)
+   subroutine narrow(task, racers, slack, deadline, watch)
       type(problem), intent(in) :: task
       type(contender), intent(inout) :: racers(:)
-      logical, intent(in) :: prune
+      real(dp), intent(in) :: slack
       real(dp), intent(in) :: deadline
       class(run_watch), intent(inout) :: watch
       integer(i8) :: multiple
@@ -170,7 +193,7 @@ contains
             closed(i) = multiple == 0
             if (closed(i)) cycle
             hope = price(racers(i), max(multiple, racers(i)%failed + 1))
-            if (prune .and. hope > dearer*best_price(racers)) closed(i) = .true.
+            if (hope > slack*best_price(racers)) closed(i) = .true.
             if (closed(i) .or. hope >= least) cycle
             least = hope
             next = i
@@ -183,7 +206,12 @@ contains
    end subroutine narrow
 
    !> The next number to try between what failed and what met the tolerance: by the order, kept
+<<<<<<< HEAD
    !> inside; 0 when there is no use.
+=======
+   !> inside;
+   !> 0 when there is no use.
+>>>>>>> cost
    pure subroutine guess_multiple(task, one, multiple)
       type(problem), intent(in) :: task
       type(contender), intent(in) :: one

@@ -1,0 +1,53 @@
+!> method = 'auto', splitting = 'auto': the choice at the start of a run.
+module poinsot_study_auto
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_scene_restart, only: read_choice
+   use poinsot_scene_settings, only: scene_settings, is_auto
+   use poinsot_scene_watch, only: run_watch
+   use poinsot_study_candidates, only: no_splitting, any_name
+   use poinsot_study_choose, only: choose_request, choice, choose_method
+   use poinsot_study_choose_text, only: choice_sentence
+   implicit none(type, external)
+   private
+   public :: settle
+
+   real(dp), parameter, public :: auto_seconds = 5 !! what the choice may take
+
+contains
+
+   !> Put a choice in the place of `auto`: that of the restart file if the scene continues one, else
+   !> the cheapest that meets &scene tol. A method or splitting that is named stays; a step that is
+   !> given is the longest allowed. Nothing is done to a scene without `auto`. Errors: those of
+   !> choose_method and of read_choice.
+   subroutine settle(scene, watch, error)
+      type(scene_settings), intent(inout) :: scene
+      class(run_watch), intent(inout) :: watch
+      type(poinsot_error), intent(inout) :: error
+      type(choose_request) :: request
+      type(choice) :: answer
+      if (.not. is_auto(scene)) return
+      if (len(scene%from) > 0) then
+         call read_choice(scene%from, scene%method, scene%splitting, scene%h, error)
+         scene%chosen = "by the run that wrote " // scene%from
+         return
+      end if
+      request%tol = scene%tol
+      request%budget = auto_seconds
+      request%longest = scene%h
+      request%methods = any_name
+      request%splittings = any_name
+      if (scene%method /= "auto") request%methods = [character(24) :: scene%method]
+      if (scene%splitting /= "auto" .and. scene%method /= "auto") &
+         request%splittings = [character(24) :: scene%splitting]
+      call choose_method(scene, request, watch, answer, error)
+      if (raised(error)) return
+      scene%method = trim(answer%best%way%method)
+      if (answer%best%way%splitting /= no_splitting) scene%splitting = &
+         trim(answer%best%way%splitting)
+      if (scene%splitting == "auto") scene%splitting = "srkn6"
+      scene%h = answer%best%h
+      scene%chosen = choice_sentence(request%tol, answer)
+   end subroutine settle
+
+end module poinsot_study_auto
