@@ -1,10 +1,6 @@
 !> The cheapest method, splitting and step that meet a tolerance on a scene and a machine, by trial
-<<<<<<< HEAD
-!> on the scene's own bodies.
-=======
 !> on
 !> the scene's own bodies.
->>>>>>> cost
 module poinsot_study_choose
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -50,12 +46,7 @@ module poinsot_study_choose
    type :: choice
       type(chosen) :: best, runner_up          !! runner_up%h = 0: there is none
       character(:), allocatable :: reference   !! how errors were measured
-<<<<<<< HEAD
-      real(dp) :: t_measured = 0               !! to which time; the scene's end if it was near
-                                               !! enough
-=======
       real(dp) :: t_measured = 0 !! to which time; the scene's end if it was near enough
->>>>>>> cost
       integer :: bodies = 0, own = 0           !! states tried, the scene's own among them
       integer :: candidates = 0                !! that ran
       logical :: noisy = .false.               !! the scene has noise, the trials had not
@@ -63,12 +54,7 @@ module poinsot_study_choose
    end type choice
 
    integer, parameter :: most_own = 128        !! of the scene's bodies, if it has many
-<<<<<<< HEAD
-   real(dp), parameter :: near_by = 0.02_dp    !! spread of the states beside the scene's own,
-                                               !! radians
-=======
    real(dp), parameter :: near_by = 0.02_dp !! spread of the states beside the scene's own, radians
->>>>>>> cost
    real(dp), parameter :: whole_margin = 1.1_dp, sample_margin = 2 !! all bodies tried; some of them
    integer, parameter :: finalists = 10, repeats = 9
    real(dp), parameter :: final_share = 1.5_dp !! times the cheapest: timed again
@@ -78,12 +64,8 @@ module poinsot_study_choose
 contains
 
    !> Choose. Errors: what the plan refuses; POINSOT_E_CONVERGENCE if nothing meets the tolerance,
-<<<<<<< HEAD
-   !> with the best there is.
-=======
    !> with
    !> the best there is.
->>>>>>> cost
    subroutine choose_method(scene, request, watch, answer, error)
       type(scene_settings), intent(in) :: scene
       type(choose_request), intent(in) :: request
@@ -151,12 +133,8 @@ contains
    end subroutine prepare_task
 
    !> A reference good enough for the tolerance, to the scene's end or, where that takes too long,
-<<<<<<< HEAD
-   !> to an earlier time; errors are then taken to grow in proportion to time.
-=======
    !> to
    !> an earlier time; errors are then taken to grow in proportion to time.
->>>>>>> cost
    subroutine window(quiet, kind, request, task, answer, error)
       type(scene_settings), intent(in) :: quiet
       type(scene_kind), intent(in) :: kind
@@ -216,11 +194,7 @@ contains
       many = task%members
       if (many%together == 1) call repeat_members(task%members, int(min(body_total(scene), &
          1024_i8)), many)
-<<<<<<< HEAD
-      price = huge(price)
-=======
       price = no_price
->>>>>>> cost
       where (racers%met > 0) price = racers%ns*real(racers%met, dp)
       n = 0
       least = 0
@@ -240,11 +214,7 @@ contains
             h = task%longest/real(racers(at(i))%met, dp)
             call time_steps(racers(at(i))%plan, many, h, racers(at(i))%ns*max(1, lanes/many%n), &
                one_run, &
-<<<<<<< HEAD
-                            task%unit*racers(at(i))%met + 1000, .true., times(round, i))
-=======
                             task%unit*racers(at(i))%met, .true., times(round, i))
->>>>>>> cost
          end do
          done = round
       end do
@@ -255,13 +225,8 @@ contains
       end do
       call take_best(scene, task, list, racers, price, answer%best)
       k = minloc(price, 1)
-<<<<<<< HEAD
-      price(k) = huge(price)
-      if (minval(price) < huge(price)) call take_best(scene, task, list, racers, price, &
-=======
       price(k) = no_price
       if (minval(price) < no_price) call take_best(scene, task, list, racers, price, &
->>>>>>> cost
          answer%runner_up)
       associate (unused => request%tol)
       end associate

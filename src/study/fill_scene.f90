@@ -22,13 +22,8 @@ contains
       character(*), intent(in) :: from, to       !! files
       character(*), intent(in) :: head           !! a comment for the first line
       character(*), intent(in) :: keys(:)
-<<<<<<< HEAD
-      type(text_line), intent(in) :: values(:)   !! as they stand in the file, strings with their
-                                                 !! quotes
-=======
       type(text_line), intent(in) :: values(:) !! as they stand in the file, strings with their
          !! quotes
->>>>>>> cost
       type(poinsot_error), intent(inout) :: error
       type(text_line), allocatable :: lines(:)
       type(out_file) :: file
@@ -87,12 +82,8 @@ contains
    end subroutine read_lines
 
    !> Set keys of the first group of a name. A value that is there is replaced where it stands; a
-<<<<<<< HEAD
-   !> key that is not there is added behind the group's name.
-=======
    !> key
    !> that is not there is added behind the group's name.
->>>>>>> cost
    subroutine set_keys(lines, group, keys, values, found)
       type(text_line), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: group          !! lower case

@@ -46,12 +46,7 @@ contains
       real(dp), intent(in) :: seconds                !! budget
       type(reference_solution), intent(out) :: reference
       type(poinsot_error), intent(inout) :: error
-<<<<<<< HEAD
-      real(dp), intent(in), optional :: enough       !! an error small enough; absent: rounding
-                                                     !! alone
-=======
       real(dp), intent(in), optional :: enough !! an error small enough; absent: rounding alone
->>>>>>> cost
       real(dp) :: target_error
       target_error = 0
       if (present(enough)) target_error = enough

@@ -1,12 +1,7 @@
 !> The longest step with which a candidate meets a tolerance, and the cheapest candidate: all of
-<<<<<<< HEAD
-!> them with long steps first; whoever is dearer than a candidate that meets the tolerance already
-!> is out.
-=======
 !> them
 !> with long steps first; whoever is dearer than a candidate that meets the tolerance already is
 !> out.
->>>>>>> cost
 module poinsot_study_search
    use poinsot_core_kinds, only: dp, i8
    use poinsot_ensemble_plan, only: poinsot_plan
@@ -29,12 +24,7 @@ module poinsot_study_search
       real(dp) :: growth = 1               !! errors are so much larger at the scene's own end
       real(dp) :: tol = 0                  !! largest error allowed
       real(dp) :: margin = 1               !! times the error measured must be within
-<<<<<<< HEAD
-      integer(i8) :: unit = 1              !! steps come in multiples of this (pieces between
-                                           !! outputs)
-=======
       integer(i8) :: unit = 1 !! steps come in multiples of this (pieces between outputs)
->>>>>>> cost
       real(dp) :: longest = 0              !! step with one multiple
    end type problem
 
@@ -206,12 +196,8 @@ contains
    end subroutine narrow
 
    !> The next number to try between what failed and what met the tolerance: by the order, kept
-<<<<<<< HEAD
-   !> inside; 0 when there is no use.
-=======
    !> inside;
    !> 0 when there is no use.
->>>>>>> cost
    pure subroutine guess_multiple(task, one, multiple)
       type(problem), intent(in) :: task
       type(contender), intent(in) :: one
