@@ -8,6 +8,7 @@ module app_commands
    use app_version, only: show_version
    use app_run, only: command_run
    use app_cost, only: command_cost
+   use app_measured, only: command_properties, command_hard
    use app_choose, only: command_choose
    use app_lists, only: command_methods, command_splittings, command_effects, command_scenes
    implicit none(type, external)
@@ -72,6 +73,10 @@ contains
          call command_cost(words, code)
       case ("choose")
          call command_choose(words, code)
+      case ("properties")
+         call command_properties(words, code)
+      case ("hard")
+         call command_hard(words, code)
       case ("methods")
          call command_methods(words, code)
       case ("splittings")

@@ -11,10 +11,12 @@ module app_help
       character(60) :: about
    end type command
 
-   type(command), parameter :: table(7) = [ &
+   type(command), parameter :: table(9) = [ &
       command("run", "run a scene: trajectory, summary, restart, pictures"), &
       command("cost", "what accuracy costs in time, on a scene"), &
       command("choose", "the cheapest method and step that meet a tolerance"), &
+      command("properties", "what each method keeps: the review's table, measured"), &
+      command("hard", "hard bodies through every method, measured"), &
       command("methods", "list the methods that turn a free body"), &
       command("splittings", "list the schemes that alternate kicks and turns"), &
       command("effects", "list the effects with their keys; or explain one"), &
@@ -71,6 +73,21 @@ contains
             "A scene with method = 'auto' or splitting = 'auto' does the same when it starts, for", &
             "&scene tol, within 5 seconds, and says in its summary and restart what it chose; a", &
             "restart never chooses again. Exit code 3: nothing meets the tolerance."])
+      case ("properties")
+         call put([character(100) :: &
+            "poinsot properties [--out DIR]", &
+            "", &
+            "Measures what every method keeps, a few seconds: its order, the quadratic and linear", &
+            "invariants, whether it is Poisson, symplectic, time-reversible and exact for symmetric", &
+            "bodies; and how far the library's kernel is from the map so judged. DIR/properties.csv", &
+            "holds the numbers behind each yes and no."])
+      case ("hard")
+         call put([character(100) :: &
+            "poinsot hard [--out DIR]", &
+            "", &
+            "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI units,", &
+            "...) through every method, a few seconds, and prints the worst errors in units of", &
+            "conditioning, refusals, and a verdict on each method. DIR/hard.csv holds the rest."])
       case ("methods")
          call put([character(100) :: &
             "poinsot methods", &

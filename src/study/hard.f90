@@ -13,6 +13,7 @@ module poinsot_study_hard
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
    use poinsot_study_hard_cases, only: hard_case, kind_names, kind_about, cases_of_kind, make_case
    use poinsot_study_taylor, only: taylor_flow, conditioning, largest_rate
+   use poinsot_study_tell, only: tell
    use poinsot_study_turn, only: turn_one, momentum_gap, attitude_gap
    implicit none(type, external)
    private
@@ -57,9 +58,10 @@ contains
       do kind = 1, size(kind_names)
          call judge_kind(kind, results(:, kind, :))
       end do
-      write (unit, &
-         "(a)") "Hard bodies: worst error in units of conditioning (one unit: what moving inputs by"
-      write (unit, "(a)") "1e-16 does), against a Taylor series in quadruple precision"
+      call tell(unit, &
+         "Hard bodies: worst error in units of conditioning (one unit: what moving "// &
+         "inputs by")
+      call tell(unit, "1e-16 does), against a Taylor series in quadruple precision")
       call show_table(unit, "The whole time in one step:", results(:, :, 1))
       call show_table(unit, "In steps of at most 0.2 radians:", results(:, :, 2))
       call show_legend(unit)
@@ -128,15 +130,20 @@ contains
       character(*), intent(in) :: title
       type(hard_result), intent(in) :: results(:, :) !! (method, kind)
       character(8) :: cells(size(shown))
+      character(120) :: line
       integer :: kind, j, m
-      write (unit, "(/, a, /)") title
-      write (unit, "(11x, *(1x, a7))") adjustr(heads)
+      call tell(unit, "")
+      call tell(unit, title)
+      call tell(unit, "")
+      write (line, "(11x, *(1x, a7))") adjustr(heads)
+      call tell(unit, line)
       do kind = 1, size(kind_names)
          do j = 1, size(shown)
             m = method_number(shown(j))
             cells(j) = cell(results(m, kind))
          end do
-         write (unit, "(a11, *(a8))") kind_names(kind), cells
+         write (line, "(a11, *(a8))") kind_names(kind), cells
+         call tell(unit, line)
       end do
    end subroutine show_table
 
@@ -171,14 +178,19 @@ contains
 
    subroutine show_legend(unit)
       integer, intent(in) :: unit
+      character(120) :: line
       integer :: kind
-      write (unit, "(/, a)") "refused: status 'the step is too long', &
-         the body's state is kept; *: in some of the cases"
-      write (unit, "(a, i0, a, /)") "A step of any size up to 20 radians unless said; ", &
+      call tell(unit, "")
+      call tell(unit, "refused: status 'the step is too long', &
+         the body's state is kept; *: in some "// &
+         "of the cases")
+      write (line, "(a, i0, a)") "A step of any size up to 20 radians unless said; ", &
          cases_of_kind, &
          " cases of each kind, in all orders of the axes:"
+      call tell(unit, line)
+      call tell(unit, "")
       do kind = 1, size(kind_names)
-         write (unit, "(3x, a11, 2x, a)") kind_names(kind), trim(kind_about(kind))
+         call tell(unit, "   "//kind_names(kind)//"  "//kind_about(kind))
       end do
    end subroutine show_legend
 
@@ -186,12 +198,15 @@ contains
    subroutine show_verdicts(unit, results)
       integer, intent(in) :: unit
       type(hard_result), intent(in) :: results(:, :, :)
+      character(20) :: name
       integer :: m
-      write (unit, "(/, a, /)") "Verdicts"
+      call tell(unit, "")
+      call tell(unit, "Verdicts")
+      call tell(unit, "")
       do m = 1, method_count()
-         write (unit, "(3x, a20, a)") method_name(m)//repeat(" ", 20), &
-            "in one step "//verdict(m, total(results(m, :, 1)))//"; in pieces "// &
-            verdict(m, total(results(m, :, 2)))
+         name = method_name(m)
+         call tell(unit, "   "//name//"in one step "//verdict(m, total(results(m, :, 1)))// &
+            "; in pieces "//verdict(m, total(results(m, :, 2))))
       end do
    end subroutine show_verdicts
 

@@ -12,6 +12,7 @@ module poinsot_study_properties
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
    use poinsot_study_defects, only: defects, measure_defects, plain_step
+   use poinsot_study_tell, only: tell
    use poinsot_study_turn, only: turn_one, momentum_gap, attitude_gap
    implicit none(type, external)
    private
@@ -275,23 +276,23 @@ contains
 
    subroutine show_head(unit)
       integer, intent(in) :: unit
-      write (unit, "(a)") "What each method keeps: the review's Table 2 (Vilmart 2013), measured"
-      write (unit, "(a)") ""
-      write (unit, &
-         "(a)") "                     order measured  exact preservation of            "// &
-         "  sym- time-   exact for   kernel"
-      write (unit, &
-         "(a)") "method               y     q        Qy  C   H   |q| linear  Poisson plectic "// &
-         "reversible symm. sphere  off"
+      call tell(unit, "What each method keeps: the review's Table 2 (Vilmart 2013), measured")
+      call tell(unit, "")
+      call tell(unit, "                     order measured  exact preservation of            "// &
+         "  sym- time-   exact for   kernel")
+      call tell(unit, &
+         "method               y     q        Qy  C   H   |q| linear  Poisson plectic "// &
+         "reversible symm. sphere  off")
    end subroutine show_head
 
    subroutine show_row(unit, row)
       integer, intent(in) :: unit
       type(method_properties), intent(in) :: row
       character(13) :: orders
+      character(120) :: line
       orders = "exact exact"
       if (row%order > 0) write (orders, "(f5.2, 1x, f5.2)") row%slope
-      write (unit, "(a20, 1x, a13, 2x, 4(a3, 1x), a3, 5x, a3, 5x, a3, 5x, a3, 8x, a3, 3x, a3, &
+      write (line, "(a20, 1x, a13, 2x, 4(a3, 1x), a3, 5x, a3, 5x, a3, 5x, a3, 8x, a3, 3x, a3, &
          f8.1)") row%name, &
          orders, holds(row%map%space), holds(row%map%casimir), holds(row%map%energy), &
             holds(row%map%norm), &
@@ -299,6 +300,7 @@ contains
          holds(max(row%map%symmetric, row%map%reversible)), holds(row%symmetric_body), &
             holds(row%sphere), &
          row%distance
+      call tell(unit, line)
    end subroutine show_row
 
    subroutine show_foot(unit, contradictions)
@@ -324,14 +326,14 @@ contains
          ""]
       integer :: i
       do i = 1, size(lines)
-         write (unit, "(a)") trim(lines(i))
+         call tell(unit, trim(lines(i)))
       end do
       if (size(contradictions) == 0) then
-         write (unit, "(a)") "No entry of the review's table is contradicted."
+         call tell(unit, "No entry of the review's table is contradicted.")
       else
-         write (unit, "(a)") "Entries of the review's table that are contradicted:"
+         call tell(unit, "Entries of the review's table that are contradicted:")
          do i = 1, size(contradictions)
-            write (unit, "(a)") "  "//trim(contradictions(i))
+            call tell(unit, "  "//trim(contradictions(i)))
          end do
       end if
    end subroutine show_foot

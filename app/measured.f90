@@ -1,0 +1,84 @@
+!> poinsot properties, poinsot hard: what the library finds out about its own methods.
+module app_measured
+   use, intrinsic :: iso_fortran_env, only: output_unit
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_study_hard, only: run_hard
+   use poinsot_study_properties, only: run_properties
+   use app_arguments, only: word_list, option_value, is_option
+   use app_codes, only: exit_ok, exit_usage, exit_of_run
+   use app_run, only: unknown_option
+   use app_terminal, only: complain
+   implicit none(type, external)
+   private
+   public :: command_properties, command_hard
+
+   character(5), parameter :: known(1) = ["--out"]
+
+contains
+
+   !> poinsot properties [--out DIR]
+   subroutine command_properties(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      type(poinsot_error) :: error
+      character(:), allocatable :: folder
+      call read_folder("properties", words, folder, code)
+      if (code /= exit_ok) return
+      call run_properties(folder, output_unit, error)
+      call finish(error, code)
+   end subroutine command_properties
+
+   !> poinsot hard [--out DIR]
+   subroutine command_hard(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      type(poinsot_error) :: error
+      character(:), allocatable :: folder
+      call read_folder("hard", words, folder, code)
+      if (code /= exit_ok) return
+      call run_hard(folder, output_unit, error)
+      call finish(error, code)
+   end subroutine command_hard
+
+   !> The folder of --out, "" without one; anything else is complained of.
+   subroutine read_folder(command, words, folder, code)
+      character(*), intent(in) :: command
+      type(word_list), intent(in) :: words
+      character(:), allocatable, intent(out) :: folder
+      integer, intent(out) :: code
+      character(:), allocatable :: name
+      logical :: found
+      integer :: i
+      folder = ""
+      code = exit_usage
+      i = 0
+      do while (i < size(words%at))
+         i = i + 1
+         name = words%at(i)%text
+         if (.not. is_option(name)) then
+            call complain(command // ": '" // name // "' is one too many")
+            return
+         end if
+         if (index(name, "=") > 0) name = name(:index(name, "=") - 1)
+         if (name /= "--out") then
+            call unknown_option(command, name, known)
+            return
+         end if
+         call option_value(words, i, folder, found)
+         if (.not. found .or. len(folder) == 0) then
+            call complain(command // ": the option --out needs a value")
+            return
+         end if
+      end do
+      code = exit_ok
+   end subroutine read_folder
+
+   subroutine finish(error, code)
+      type(poinsot_error), intent(in) :: error
+      integer, intent(out) :: code
+      flush (output_unit)
+      code = exit_of_run(error%code)
+      if (raised(error)) call complain(error%message)
+   end subroutine finish
+
+end module app_measured
