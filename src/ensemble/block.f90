@@ -12,6 +12,7 @@ module poinsot_ensemble_block
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, turned, to_native, &
       from_native
+   use poinsot_free_limits, only: refuse_speed
    use poinsot_ensemble_transfer, only: arrays, look_at, copy_in, copy_out
    implicit none(type, external)
    private
@@ -44,7 +45,7 @@ module poinsot_ensemble_block
    end type host_arrays
 
    real(dp), parameter :: norm_slack = 2e-6_dp   !! of |q|^2: |q| within 1e-6 of 1
-   real(dp), parameter :: fastest = 1e70_dp      !! angular velocity, in the caller's unit
+   real(dp), parameter :: carry_slack = 1e-6_dp  !! of an attitude's carry
    real(dp), parameter :: axis_slack = 1e-12_dp  !! momentum about a zero moment, relative to |y|
 
    integer(i8), parameter :: exponent_bits = int(z'7FF0000000000000', i8)
@@ -90,7 +91,7 @@ contains
          call refuse(4, p, b%q, b%status)
          call to_native(host%momentum, axes, class, p, b%y, b%q)
       end if
-      call refuse_speed(class, b)
+      call refuse_speed(class, b%y, b%status)
       if (class%sorted(1) <= 0) call refuse_axis(class, b)
       if (.not. host%wants_id) then
          continue
@@ -109,7 +110,28 @@ contains
       do l = 1, n
          b%carry(l, :) = host%view%carry(:, at(l))
       end do
+      call refuse_carry(b)
    end subroutine load_block
+
+   !> A carry is what rounding left over. One that is not finite, or larger than that could be, is
+   !> no carry.
+   pure subroutine refuse_carry(b)
+      type(block_state), intent(inout) :: b
+      real(dp) :: largest
+      integer :: l, j
+      do l = 1, b%n
+         largest = 0
+         do j = 1, 7
+            if (magnitude(b%carry(l, j)) < exponent_bits) cycle
+            largest = huge(largest)
+            b%carry(l, j) = 0
+         end do
+         largest = max(largest, maxval(abs(b%carry(l, 4:7))))
+         if (largest <= carry_slack) cycle
+         b%status(l) = poinsot_e_domain
+         b%carry(l, :) = 0
+      end do
+   end subroutine refuse_carry
 
    !> Lanes first to last at rest.
    pure subroutine rest(first, last, y, q)
@@ -174,29 +196,6 @@ contains
       scaled = max(-2.0_dp, min(2.0_dp, x))
    end function scaled
 
-   !> An angular velocity whose square would overflow is refused, by a comparison that cannot
-   !> overflow itself.
-   pure subroutine refuse_speed(class, b)
-      type(body_class), intent(in) :: class
-      type(block_state), intent(inout) :: b
-      real(dp) :: limit(3), good(lanes)
-      integer :: l
-      limit = fastest*min(class%moments, 1e200_dp)
-      where (.not. class%moments > 0) limit = huge(limit)
-      !GCC$ ivdep
-      do l = 1, lanes
-         good(l) = merge(1.0_dp, 0.0_dp, abs(b%y(l, 1)) <= limit(1) .and. abs(b%y(l, 2)) &
-            <= limit(2) &
-                         .and. abs(b%y(l, 3)) <= limit(3))
-      end do
-      if (smallest(good) >= 1) return
-      do l = 1, lanes
-         if (good(l) >= 1) cycle
-         b%status(l) = poinsot_e_domain
-         b%y(l, :) = 0
-      end do
-   end subroutine refuse_speed
-
    !> Numbers that come with the bodies, a torque for instance: a lane where they are not finite
    !> fails, and gets zeros.
    pure subroutine refuse_values(b, values)
@@ -241,15 +240,13 @@ contains
       real(dp) :: p(lanes, 4)
       integer :: l, n, at(lanes)
 
+      if (b%adding) call add_momentum(host%view, b)
       if (associated(host%view%status)) then
          do l = 1, b%n
             host%view%status(b%at(l)) = b%status(l)
          end do
       end if
-      if (b%adding) then
-         call add_momentum(host%view, b)
-         return
-      end if
+      if (b%adding) return
       n = b%n
       if (host%momentum == body_momentum .and. .not. (turned(axes) .or. any_failed(b%status))) then
          if (.not. keep_momentum) call copy_out(host%y, b%at, n, b%y)
@@ -287,15 +284,23 @@ contains
    end subroutine close_ranks
 
    !> A kick in the caller's own variable: no turning there and back, no rounding but that of the
-   !> sum.
+   !> sum. A sum that is not finite is not stored: the body fails.
    subroutine add_momentum(view, b)
       type(body_view), intent(in) :: view
-      type(block_state), intent(in) :: b
+      type(block_state), intent(inout) :: b
+      real(dp) :: total(3)
       integer :: j, l
-      do j = 1, 3
-         do l = 1, b%n
-            if (b%status(l) /= poinsot_ok) cycle
-            view%y(j)%of(b%at(l)) = view%y(j)%of(b%at(l)) + b%add(l, j)
+      do l = 1, b%n
+         if (b%status(l) /= poinsot_ok) cycle
+         do j = 1, 3
+            total(j) = view%y(j)%of(b%at(l)) + b%add(l, j)
+         end do
+         if (maxval(magnitude(total)) >= exponent_bits) then
+            b%status(l) = poinsot_e_domain
+            cycle
+         end if
+         do j = 1, 3
+            view%y(j)%of(b%at(l)) = total(j)
          end do
       end do
    end subroutine add_momentum

@@ -14,6 +14,7 @@ module poinsot_ensemble_step
    use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
    use poinsot_ensemble_rotate, only: rotate_job, check_step
    use poinsot_free_accumulate, only: add_kick, add_kick_compensated
+   use poinsot_free_limits, only: refuse_speed
    use poinsot_splitting_block_flows, only: block_flows
    use poinsot_splitting_stepper, only: run_steps, enter_kernel, leave_kernel
    use poinsot_splitting_tableaux, only: splitting
@@ -201,6 +202,7 @@ contains
       else
          call add_kick(dy, b%y)
       end if
+      call refuse_speed(class, b%y, b%status)
    end subroutine run_kick
 
    subroutine run_step(self, class, b)

@@ -8,6 +8,7 @@ module poinsot_splitting_block_flows
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, add_kick, add_kick_compensated
+   use poinsot_free_limits, only: refuse_speed
    use poinsot_free_method, only: free_method, advance
    use poinsot_effect_effect, only: effect_item, torque_effect, flow_effect
    use poinsot_effect_gyrostat, only: gyrostat
@@ -285,6 +286,7 @@ contains
       else
          call add_kick(dy, self%y)
       end if
+      call refuse_speed(self%class, self%y, self%status)
    end subroutine push
 
    !> An axis without inertia takes no torque.
@@ -308,6 +310,7 @@ contains
          k = merge(i, size(self%outers) + 1 - i, half == 0)
          call self%outers(k)%it%apply(self%class, h, self%seed, self%id, step, half, self%q, self%y)
       end do
+      call refuse_speed(self%class, self%y, self%status)
    end subroutine outer
 
    !> Kinetic and potential energy of every lane at time t.
