@@ -31,8 +31,8 @@ module app_terminal
          import :: c_char, c_size_t, c_long
          implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*)
-         character(kind=c_char), intent(out) :: buffer(size)
          integer(c_size_t), value, intent(in) :: size
+         character(kind=c_char), intent(out) :: buffer(size)
       end function c_readlink
    end interface
 

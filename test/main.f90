@@ -13,6 +13,8 @@ program check_poinsot
    use test_elliptic, only: collect_elliptic
    use test_ensemble, only: collect_ensemble
    use test_free, only: collect_free
+   use test_hard, only: collect_hard, collect_hard_deep
+   use test_hard_faults, only: collect_hard_faults_deep
    use test_oracle, only: collect_oracle
    use test_properties, only: collect_properties
    use test_rattle, only: collect_rattle
@@ -41,7 +43,8 @@ program check_poinsot
       new_testsuite("ensemble", collect_ensemble), &
       new_testsuite("scene", collect_scene), &
       new_testsuite("study", collect_study), &
-      new_testsuite("choose", collect_choose)]
+      new_testsuite("choose", collect_choose), &
+      new_testsuite("hard", collect_hard)]
    first = 1
    call get_argument(first, suite)
    if (allocated(suite)) then
@@ -81,8 +84,11 @@ contains
    !> Suites that take long: `make check-deep`.
    function deep_suites() result(list)
       type(testsuite_type), allocatable :: list(:)
-      list = [new_testsuite("long-drift", collect_drift_deep), &
-              new_testsuite("choose-promise", collect_choose_deep)]
+      list = [ &
+         new_testsuite("long-drift", collect_drift_deep), &
+         new_testsuite("choose-promise", collect_choose_deep), &
+         new_testsuite("hard-deep", collect_hard_deep), &
+         new_testsuite("hard-faults-deep", collect_hard_faults_deep)]
    end function deep_suites
 
    !> All tests of a suite, one after the other: some of them change thread counts.

@@ -29,6 +29,7 @@ module poinsot_body_class
       integer :: order(3) = [1, 2, 3]     !! sorted moment j is moments(order(j))
       real(dp) :: parity = 1              !! +1 or -1: sign of the permutation
       real(dp) :: sorted(3) = 1           !! ascending moments / scale
+      real(dp) :: top = 0                 !! I3 - I2 / scale, at most I1 for a body
       real(dp) :: scale = 1               !! power of two near the largest moment
       real(dp) :: a(3) = 0                !! (I3-I2)/I1, (I3-I1)/I2, (I2-I1)/I3; a(1) = 0 if I1 = 0
       real(dp) :: theta = 0.5_dp          !! (I3-I2)/(I3-I1); 1/2 for a sphere
@@ -53,7 +54,8 @@ contains
       type(body_class), intent(out) :: class     !! constants for the kernels
       type(poinsot_error), intent(inout) :: error !! which moment is wrong, and why
       logical, intent(in), optional :: physical   !! default .true.
-      real(dp) :: i1, i2, i3
+      real(dp) :: i1, i2, i3, top
+      logical :: body
 
       call check_moments(moments, error, physical)
       if (raised(error)) return
@@ -66,16 +68,22 @@ contains
       i1 = class%sorted(1)
       i2 = class%sorted(2)
       i3 = class%sorted(3)
-      class%a = [ratio(i3 - i2, i1), ratio(i3 - i1, i2), ratio(i2 - i1, i3)]
-      if (i3 <= (i1 + i2)*(1 + moment_tolerance)) class%a = min(class%a, 1.0_dp)
+      ! A thin body's I3 - I2 may exceed I1 by no more than a rounding of I3, and be many times I1:
+      ! every constant takes the same physical value, or they would be of different bodies.
+      body = i3 <= (i1 + i2)*(1 + moment_tolerance)
+      top = i3 - i2
+      if (body) top = min(top, i1)
+      class%top = top
+      class%a = [ratio(top, i1), ratio(i3 - i1, i2), ratio(i2 - i1, i3)]
+      if (body) class%a = min(class%a, 1.0_dp)
       if (i3 > i1) then
-         class%theta = (i3 - i2)/(i3 - i1)
+         class%theta = top/(i3 - i1)
          class%k1 = ratio(class%theta, i1)*i2
          class%k3 = (i2 - i1)/(i3 - i1)*(i2/i3)
          class%g1 = ratio(class%theta, i1)*i3
          class%g3 = (i2 - i1)/(i3 - i1)*(i1/i3)
       end if
-      class%f1 = ratio(i3 - i2, i3)
+      class%f1 = ratio(top, i3)
       call correction_series(class%a, class%p, class%r)
       class%reach = reach_of(class)
    end subroutine make_class

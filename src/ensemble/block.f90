@@ -295,8 +295,7 @@ contains
          do j = 1, 3
             total(j) = view%y(j)%of(b%at(l)) + b%add(l, j)
          end do
-         if (max(magnitude(total(1)), magnitude(total(2)), magnitude(total(3))) >= exponent_bits) &
-            then
+         if (maxval(magnitude(total)) >= exponent_bits) then
             b%status(l) = poinsot_e_domain
             cycle
          end if

@@ -101,8 +101,8 @@ contains
       end if
       status = error%code
       if (raised(error)) return
-      if (size(system%at) == 0) then
-         if (failed) status = poinsot_e_partial
+      if (size(system%at) == 0) then ! nobody to move: no reason to count the steps
+         status = merge(poinsot_e_partial, poinsot_ok, failed)
          return
       end if
       call enter_kernel(plan%splitting, system, t, h, first)

@@ -121,10 +121,10 @@ contains
       axes%m1 = 1.0_dp/i1
       axes%m3 = 1.0_dp/i3
       if (i3 <= i1) return
-      axes%c1 = (i1/i2)*((i3 - i2)/(i3 - i1))
+      axes%c1 = (i1/i2)*(class%top/(i3 - i1))
       axes%c2 = (i3/i2)*((i2 - i1)/(i3 - i1))
       d13 = (i3 - i1)/i1/i3
-      axes%rate = sqrt(d13)*sqrt((i3 - i2)/i2/i3)
+      axes%rate = sqrt(d13)*sqrt(class%top/i2/i3)
       axes%exchanged_rate = -sqrt(d13)*sqrt((i2 - i1)/i2/i1)
    end function constants_of
 
