@@ -1,6 +1,7 @@
 # poinsot: set up, build, test, install. `make help` lists what there is.
 #
 # Variables: FC             the Fortran compiler (gfortran)
+#            MPI=1          of make build: also the app for several processes, build/mpi/poinsot; MPIFC its compiler (mpifort)
 #            PORTABLE=1     for any processor of this kind, not this one only
 #            EXTRA_FLAGS    added to the compiler's flags
 #            SUITE          of make test: the suite, or suite and test, to run
@@ -14,13 +15,14 @@ PREFIX ?= /usr/local
 DESTDIR ?=
 LIBDIR ?= lib
 SUITE ?=
+MPI ?=
 export FC PORTABLE EXTRA_FLAGS PICTURES
 
 fpm := build/tools/bin/fpm
 stage := build/stage
 out := poinsot-out
 
-.PHONY: all setup build demo test check-deep bench lint docs install uninstall clean distclean help
+.PHONY: all setup build demo test check-deep test-mpi bench lint docs install uninstall clean distclean help
 .NOTPARALLEL:
 
 all: build
@@ -32,6 +34,7 @@ build: setup ## set up what is missing; build library and app (into build/stage)
 	   --c-flag "$$(tools/flags.sh c)" --link-flag "$$(tools/flags.sh link)" >build/build.log 2>&1 || { cat build/build.log; exit 1; }
 	@grep -q "up to date" build/build.log || rm -f build/*/poinsot/test_*.o build/*/poinsot/test_*.o.digest
 	@echo "built: $(stage)/bin/poinsot and $(stage)/lib/libpoinsot.a"
+	@[ "$(MPI)" != 1 ] || tools/mpi.sh
 
 demo: build ## build, then run the free body and the heavy top, leave pictures
 	$(stage)/bin/poinsot run free-body --out $(out)/free-body
@@ -45,6 +48,10 @@ test: build ## build, then run the tests in two profiles; ends with "N passed, M
 check-deep: build ## all tests, the long ones too; vector code looked at
 	@tools/test.sh --deep $(SUITE)
 	@bench/assembly.sh
+
+test-mpi: ## set up MPI, build with MPI=1, run the tests of several processes
+	@$(MAKE) --no-print-directory build MPI=1
+	@test/mpi.sh
 
 bench: build ## measure the speed of every method
 	@if [ -x bench/run.sh ]; then bench/run.sh; else echo "no benchmark yet"; exit 1; fi
@@ -72,4 +79,4 @@ help: ## this list
 	@sed -n '/^# Variables/,/^$$/s/^# //p' Makefile
 
 setup:
-	@tools/setup.sh build $(filter demo lint docs,$(MAKECMDGOALS))
+	@tools/setup.sh build $(filter demo lint docs,$(MAKECMDGOALS)) $(if $(filter 1,$(MPI)),mpi)

@@ -1,5 +1,6 @@
 !> The table of commands. A new one is a row in `table`, a case in `dispatch`, a text in app_help.
 module app_commands
+   use poinsot_scene_crew, only: run_crew
    use poinsot_core_nearest, only: nearest_name
    use app_arguments, only: word, word_list, command_words
    use app_codes, only: exit_ok, exit_usage
@@ -18,8 +19,9 @@ module app_commands
 contains
 
    !> Do what the command line says.
-   subroutine run_command(code)
+   subroutine run_command(code, crew)
       integer, intent(out) :: code !! exit code: 0 ok, 1 runtime, 2 usage or input, 3 numerical
+      class(run_crew), intent(inout), optional :: crew !! who else runs this
       type(word_list) :: all, rest
       character(:), allocatable :: name
       integer :: i
@@ -58,17 +60,22 @@ contains
          call show_command_help(name)
          return
       end do
-      call dispatch(name, rest, code)
+      call dispatch(name, rest, code, crew)
    end subroutine run_command
 
    !> A command of the table.
-   subroutine dispatch(name, words, code)
+   subroutine dispatch(name, words, code, crew)
       character(*), intent(in) :: name
       type(word_list), intent(in) :: words   !! what follows it
       integer, intent(out) :: code
+      class(run_crew), intent(inout), optional :: crew
+      if (present(crew)) then
+         code = exit_ok
+         if (crew%number > 0 .and. name /= "run") return ! for one alone
+      end if
       select case (name)
       case ("run")
-         call command_run(words, code)
+         call command_run(words, code, crew)
       case ("cost")
          call command_cost(words, code)
       case ("choose")

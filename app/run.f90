@@ -1,7 +1,7 @@
 !> poinsot run
 module app_run
    use poinsot_core_kinds, only: dp, i8
-   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: nearest_name
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_scene_text, only: text_of, quoted, escaped, joined
@@ -11,6 +11,7 @@ module app_run
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: step_total, output_count
+   use poinsot_scene_crew, only: run_crew
    use poinsot_scene_run, only: run_scene, check_scene
    use poinsot_scene_pictures, only: picture_names
    use poinsot_scene_summary, only: run_report
@@ -37,9 +38,10 @@ module app_run
 contains
 
    !> The command.
-   subroutine command_run(words, code)
+   subroutine command_run(words, code, crew)
       type(word_list), intent(in) :: words
       integer, intent(out) :: code
+      class(run_crew), intent(inout), optional :: crew
       type(run_options) :: options
       type(scene_settings) :: scene
       logical :: good
@@ -51,7 +53,7 @@ contains
       if (options%check) then
          call check_only(scene, options, code)
       else
-         call run_it(scene, options, code)
+         call run_it(scene, options, code, crew)
       end if
    end subroutine command_run
 
@@ -202,10 +204,11 @@ contains
    end subroutine check_only
 
    !> Run, report, draw.
-   subroutine run_it(scene, options, code)
+   subroutine run_it(scene, options, code, crew)
       type(scene_settings), intent(inout) :: scene     !! `auto` gets its choice
       type(run_options), intent(in) :: options
       integer, intent(out) :: code
+      class(run_crew), intent(inout), optional :: crew
       type(progress_watch) :: watch
       type(run_report) :: report
       type(poinsot_error) :: error
@@ -214,9 +217,13 @@ contains
       if (len(out) == 0) out = "poinsot-out/" // scene%name
       watch%shown = error_is_terminal() .and. .not. options%quiet
       call catch_interrupts()
-      call settle(scene, watch, error)
+      if (present(crew)) then
+         call settle_together(scene, watch, crew, error)
+      else
+         call settle(scene, watch, error)
+      end if
       call watch%wipe()
-      if (.not. raised(error)) call run_scene(scene, out, watch, report, error)
+      if (.not. raised(error)) call run_scene(scene, out, watch, report, error, crew)
       call watch%wipe()
       code = exit_of_run(error%code)
       if (raised(error)) then
@@ -230,10 +237,43 @@ contains
          code = exit_runtime
          return
       end if
+      if (present(crew)) then
+         if (crew%number > 0) return
+      end if
       if (.not. options%quiet) call show_file(out // "/summary.txt")
       if (options%pictures) call draw(scene, out, options%quiet)
       if (.not. options%quiet) call say("written to " // out)
    end subroutine run_it
+
+   !> `auto` measures times: the first rank chooses, for all.
+   subroutine settle_together(scene, watch, crew, error)
+      type(scene_settings), intent(inout) :: scene
+      type(progress_watch), intent(inout) :: watch
+      class(run_crew), intent(inout) :: crew
+      type(poinsot_error), intent(inout) :: error
+      integer :: code
+      if (.not. is_auto(scene)) return
+      if (crew%number == 0) call settle(scene, watch, error)
+      code = crew%worst(error%code)
+      if (code /= 0 .and. .not. raised(error)) call raise(error, code, "another rank failed")
+      if (raised(error)) return
+      call tell_name(crew, scene%method)
+      call tell_name(crew, scene%splitting)
+      scene%h = transfer(crew%first(transfer(scene%h, 0_i8)), scene%h)
+   end subroutine settle_together
+
+   !> The first rank's name, letter by letter.
+   subroutine tell_name(crew, name)
+      class(run_crew), intent(inout) :: crew
+      character(:), allocatable, intent(inout) :: name
+      character(24) :: letters
+      integer :: i
+      letters = name
+      do i = 1, len(letters)
+         letters(i:i) = achar(int(crew%first(int(iachar(letters(i:i)), i8))))
+      end do
+      name = trim(letters)
+   end subroutine tell_name
 
    !> A text file on standard output.
    subroutine show_file(file)

@@ -1,8 +1,9 @@
 #!/bin/sh
 # Set-up: what is missing to build poinsot is installed, what is there is used. Says what it does.
 #
-# usage: tools/setup.sh [build | demo | lint | docs] ...
-#   build (always): Fortran compiler, LAPACK, git, fpm, test-drive;   demo: and gnuplot;   lint: fortitude;   docs: FORD
+# usage: tools/setup.sh [build | demo | lint | docs | mpi] ...
+#   build (always): Fortran compiler, LAPACK, git, fpm, test-drive;   demo: and gnuplot;   lint: fortitude;   docs: FORD;
+#   mpi: MPICH, if there is no MPI compiler
 #
 # Compiler, LAPACK, gnuplot, git and pip come from the system's own package manager (apt, dnf, brew or conda); fpm, fortitude and
 # FORD from PyPI into build/tools, so nothing of the user's Python changes; test-drive from its repository into
@@ -60,12 +61,16 @@ package() {
    apt-get:compiler) echo gfortran libc6-dev ;;
    apt-get:lapack)   echo liblapack-dev libblas-dev ;;
    apt-get:gnuplot)  echo gnuplot-nox ;;
+   apt-get:mpi)      echo mpich libmpich-dev ;;
    dnf:compiler)     echo gcc-gfortran ;;
+   dnf:mpi)          echo mpich mpich-devel ;;
    dnf:lapack)       echo lapack-devel blas-devel ;;
    brew:compiler)    echo gcc ;;
+   brew:mpi)         echo mpich ;;
    brew:lapack)      echo lapack ;;
    brew:pip)         echo python ;;
    conda:compiler)   echo gfortran ;;
+   conda:mpi)        echo mpich mpich-mpifort ;;
    conda:lapack)     echo liblapack blas-devel ;;
    conda:pip)        echo python pip ;;
    *:pip)            echo python3-pip ;;
@@ -78,6 +83,7 @@ describe() {
    compiler) echo "a Fortran compiler ($FC)" ;;
    lapack)   echo "LAPACK and BLAS, with what is needed to link them" ;;
    pip)      echo "pip for $PYTHON" ;;
+   mpi)      echo "MPI (${MPIFC:-mpifort} and mpirun)" ;;
    *)        echo "$1" ;;
    esac
 }
@@ -128,6 +134,7 @@ system_needs() {
    private_fpm_needed && ! pip_works && needs="$needs pip"
    case " $* " in *" lint "* | *" docs "*) pip_works || needs="$needs pip" ;; esac
    case " $* " in *" demo "*) [ "${PICTURES:-yes}" = no ] || have gnuplot || needs="$needs gnuplot" ;; esac
+   case " $* " in *" mpi "*) { have "${MPIFC:-mpifort}" && have mpirun; } || needs="$needs mpi" ;; esac
    [ -n "$needs" ] || return 0
    needs=$(printf '%s\n' $needs | sort -u)
    install $needs
@@ -248,7 +255,7 @@ for it in "$@"; do
    case $it in
    lint) fortitude_needs ;;
    docs) ford_needs ;;
-   build | demo) ;;
-   *) stop "unknown: $it (build, demo, lint, docs)" ;;
+   build | demo | mpi) ;;
+   *) stop "unknown: $it (build, demo, lint, docs, mpi)" ;;
    esac
 done

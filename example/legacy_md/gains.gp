@@ -1,8 +1,9 @@
 # Pictures of gains.sh: gnuplot in runs/
-set terminal pngcairo size 900,600 font "sans,11"
+set terminal pngcairo noenhanced size 900,600 font "sans,11"
 set key left top
 set grid
 set logscale xy
+set xrange [500:20000]
 set xlabel "CPU time for forces and all else, ms per ps"
 
 set output "fluctuation.png"
@@ -16,7 +17,7 @@ plot "water-own.dat" using ($7/$2):(10*$3) with linespoints pt 6 lw 2 title "own
 
 set output "drift.png"
 set title "Water, 216 molecules, 298 K: drift of the energy against cost"
-set ylabel "|drift|, J/mol per molecule and ps"
+set ylabel "|drift| over 4 ps, J/mol per molecule and ps"
 plot "water-own.dat" using ($7/$2):(10*abs($4)) with linespoints pt 6 lw 2 title "own NO_SQUISH, Verlet", \
    "water-exact.dat" using ($7/$2):(10*abs($4)) with linespoints pt 7 lw 1 title "poinsot exact, Verlet", \
    "water-own-srkn4.dat" using ($7/$2):(10*abs($4)) with linespoints pt 4 lw 2 title "own NO_SQUISH, srkn4", \
@@ -30,6 +31,7 @@ plot "co2-own.dat" using ($7/$2):(10*$3) with linespoints pt 6 lw 2 title "own N
    "co2-exact-srkn4.dat" using ($7/$2):(10*$3) with linespoints pt 5 lw 2 title "poinsot exact, srkn4"
 
 unset logscale
+set xrange [*:*]
 set output "time.png"
 set title "Rotation, kicks and drift: CPU time per molecule and step"
 unset xlabel
@@ -45,14 +47,15 @@ set xtics norotate autofreq
 set yrange [*:*]
 
 set output "lammps.png"
-set title "Water, 216 molecules, 2 fs a force: energy in time"
+set title "Water, 216 molecules, energy in time"
 set xlabel "t, ps"
 set ylabel "E - E(0), J/mol per molecule"
-files = "own exact srkn4".(system("test -s lammps.energies && echo ok") eq "ok" ? " lammps" : "")
-name(f) = f eq "own" ? "own NO_SQUISH, 2 fs" : f eq "exact" ? "poinsot exact, 2 fs" : \
-   f eq "srkn4" ? "poinsot exact, srkn4, 12 fs (2 fs a force)" : "LAMMPS rigid/nve, 2 fs"
-first(f) = real(system("head -n 1 ".f.".energies | awk '{ print $2 }'"))
+change(f) = sprintf("using 1:(10*($2 - %.11f)/216)", real(system("head -n 1 ".f.".energies | awk '{ print $2 }'")))
 set key left bottom
-plot for [f in files] f.".energies" using 1:(10*($2 - first(f))/216) with lines \
-   lw (f eq "lammps" ? 1 : 2) dt (f eq "lammps" ? 2 : 1) lc rgb (f eq "own" ? "#c0392b" : f eq "exact" ? "#2471a3" : \
-   f eq "srkn4" ? "#1e8449" : "#000000") title name(f)
+curves = "'own.energies' ".change("own")." with lines lw 2 lc rgb '#c0392b' title 'own NO_SQUISH, 2 fs', ".\
+   "'exact.energies' ".change("exact")." with lines lw 2 lc rgb '#2471a3' title 'poinsot exact, 2 fs', ".\
+   "'srkn4.energies' ".change("srkn4")." with lines lw 2 lc rgb '#1e8449' title 'poinsot exact, srkn4, 8 fs (1.33 fs a force)'"
+if (system("test -s lammps.energies && echo ok") eq "ok") {
+   curves = curves.", 'lammps.energies' ".change("lammps")." with lines lw 1 dt 3 lc rgb '#000000' title 'LAMMPS rigid/nve, 2 fs'"
+}
+eval "plot ".curves

@@ -61,7 +61,7 @@ cat time.dat
 # energies of one run each, for lammps_check.py and the picture
 md start water.cfg step 0.002 steps 1000 sites water.sites | grep '^ ' | awk '{ print $2, $6 }' >own.energies
 md start water.cfg step 0.002 steps 1000 rotation poinsot | grep '^ ' | awk '{ print $2, $6 }' >exact.energies
-md start water.cfg step 0.012 steps 166 rotation poinsot splitting 6 | grep '^ ' | awk '{ print $2, $6 }' >srkn4.energies
+md start water.cfg step 0.008 steps 250 rotation poinsot splitting 6 | grep '^ ' | awk '{ print $2, $6 }' >srkn4.energies
 ${PYTHON:-python3} ../lammps_check.py water.sites 0.002 1000 lammps.energies || true
 
 command -v gnuplot >/dev/null || { echo "no gnuplot: no pictures"; exit 0; }

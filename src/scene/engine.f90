@@ -11,10 +11,11 @@ module poinsot_scene_engine
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, effect_setting
    use poinsot_scene_states, only: body_states
+   use poinsot_scene_crew, only: run_crew, slice_of
    use poinsot_scene_turn, only: turn_effect, any_turned
    implicit none(type, external)
    private
-   public :: engine, start_engine, engine_step, engine_energy
+   public :: engine, start_engine, engine_step, engine_energy, couples_bodies
 
    !> What does not change during a run.
    type :: engine
@@ -76,30 +77,57 @@ contains
       end do
    end subroutine add_to_plan
 
-   !> See the states as the plan does.
-   subroutine look(states, view)
+   !> Does a body's motion depend on the others'?
+   pure logical function couples_bodies(this)
+      type(engine), intent(in) :: this
+      couples_bodies = this%plan%coupled
+   end function couples_bodies
+
+   !> See the states as the plan does; of all bodies, or of a slice that brings its numbers.
+   subroutine look(states, view, from, to, id)
       type(body_states), intent(in), target :: states
       type(body_view), intent(out) :: view
-      call view_rows(states%y, states%q, view)
-      view%body_class => states%group
-      view%carry => states%carry
-      view%status => states%status
+      integer, intent(in) :: from, to
+      integer(i8), intent(in), target, optional :: id(:)
+      call view_rows(states%y(:, from:to), states%q(:, from:to), view)
+      view%body_class => states%group(from:to)
+      view%carry => states%carry(:, from:to)
+      view%status => states%status(from:to)
+      if (present(id)) view%id => id
    end subroutine look
 
    !> Steps number `first` to `first + steps - 1` of length h; step k begins at `origin + k h`, so
-   !> that the bits of a run do not depend on where calls cut it. Error: POINSOT_E_PARTIAL if bodies
-   !> failed, naming the first.
-   subroutine engine_step(this, states, origin, h, first, steps, error)
+   !> that the bits of a run do not depend on where calls cut it. The bodies of this rank only, if
+   !> there is a crew. Error: POINSOT_E_PARTIAL on all ranks if bodies failed, naming the first.
+   subroutine engine_step(this, states, origin, h, first, steps, error, crew)
       type(engine), intent(in), target :: this
       type(body_states), intent(inout), target :: states
       real(dp), intent(in) :: origin, h
       integer(i8), intent(in) :: first, steps
       type(poinsot_error), intent(inout) :: error
+      class(run_crew), intent(inout), optional :: crew
       type(body_view) :: view
-      integer :: status, i
+      integer(i8), allocatable, target :: id(:)
+      integer :: status, i, from, to
       states%status = poinsot_ok
-      call look(states, view)
-      call step_bodies(this%plan, view, origin, h, first, steps, status, error)
+      from = 1
+      to = states%n
+      if (present(crew)) then
+         if (.not. couples_bodies(this)) call slice_of(crew%number, crew%size, states%n, from, to)
+      end if
+      status = poinsot_ok
+      if (to >= from) then
+         if (from > 1) id = [(int(i, i8) - 1, i=from, to)]
+         if (from > 1) then
+            call look(states, view, from, to, id)
+         else
+            call look(states, view, from, to)
+         end if
+         call step_bodies(this%plan, view, origin, h, first, steps, status, error)
+      end if
+      if (present(crew)) then
+         if (crew%size > 1) call join(crew, this, states, status, error)
+      end if
       if (raised(error) .or. status == poinsot_ok) return
       do i = 1, states%n - 1
          if (states%status(i) /= poinsot_ok) exit
@@ -113,6 +141,23 @@ contains
                  status_text(states%status(i)))
    end subroutine engine_step
 
+   !> What went wrong on any rank is known to all; bodies that failed, with their states.
+   subroutine join(crew, this, states, status, error)
+      class(run_crew), intent(inout) :: crew
+      type(engine), intent(in) :: this
+      type(body_states), intent(inout) :: states
+      integer, intent(inout) :: status
+      type(poinsot_error), intent(inout) :: error
+      integer :: code
+      code = crew%worst(error%code)
+      if (code /= poinsot_ok) then
+         if (.not. raised(error)) call raise(error, code, "another rank failed: " // status_text(code))
+         return
+      end if
+      status = crew%worst(status)
+      if (status /= poinsot_ok .and. .not. couples_bodies(this)) call crew%share(states)
+   end subroutine join
+
    !> Energies of all bodies at time t.
    subroutine engine_energy(this, states, t, kinetic, potential, error)
       type(engine), intent(in), target :: this
@@ -123,7 +168,7 @@ contains
       type(body_view) :: view
       integer :: status
       states%status = poinsot_ok
-      call look(states, view)
+      call look(states, view, 1, states%n)
       call body_energies(this%plan, view, t, kinetic, potential, status, error)
       if (status /= poinsot_ok .and. .not. raised(error)) then
          call raise(error, poinsot_e_partial, "some bodies have no energy at t = " // text_of(t))

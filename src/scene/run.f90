@@ -8,7 +8,8 @@ module poinsot_scene_run
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
    use poinsot_scene_states, only: body_states, first_states
-   use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy
+   use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy, couples_bodies
+   use poinsot_scene_crew, only: run_crew
    use poinsot_scene_drift, only: start_drift, follow_drift
    use poinsot_scene_files, only: make_folder, remove_file, file_exists
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
@@ -43,11 +44,29 @@ contains
    !> Errors: POINSOT_E_IO, POINSOT_E_MEMORY, POINSOT_E_SCENE (restart file), POINSOT_E_PARTIAL and
    !> others of the engine (numerical failure). After every error but a failing disk the summary
    !> says that the run is not complete.
-   subroutine run_scene(scene, out, watch, report, error)
+   !> With a crew, bodies are dealt out to its ranks; every rank calls, rank 0 writes.
+   subroutine run_scene(scene, out, watch, report, error, crew)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out              !! folder for the output
       class(run_watch), intent(inout) :: watch     !! asked whether to go on, told how far it is
       type(run_report), intent(out) :: report      !! what the summary says
+      type(poinsot_error), intent(inout) :: error
+      class(run_crew), intent(inout), optional :: crew
+      type(run_crew) :: alone
+      if (present(crew)) then
+         call conduct(scene, out, watch, crew, report, error)
+      else
+         call conduct(scene, out, watch, alone, report, error)
+      end if
+   end subroutine run_scene
+
+   !> The run of this rank.
+   subroutine conduct(scene, out, watch, crew, report, error)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: out
+      class(run_watch), intent(inout) :: watch
+      class(run_crew), intent(inout) :: crew
+      type(run_report), intent(out) :: report
       type(poinsot_error), intent(inout) :: error
       type(run_state) :: run
       type(poinsot_error) :: closing
@@ -56,9 +75,12 @@ contains
       report%state = "failed"
       report%reason = ""
       report%reference = ""
-      call prepare(scene, out, run, report, error)
+      call prepare(scene, out, crew, run, report, error)
+      call agree(crew, error)
       if (raised(error)) return
-      call march(scene, run, watch, report, error)
+      call march(scene, run, watch, crew, report, error)
+      if (.not. raised(error)) call gather(crew, run)
+      if (crew%number > 0) return
       ! a file that could not be written keeps its .part
       if (error%code == poinsot_e_io) closing = error
       call finish_frames(run%frames, closing)
@@ -85,7 +107,23 @@ contains
       end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
-   end subroutine run_scene
+   end subroutine conduct
+
+   !> An error of any rank is an error of all.
+   subroutine agree(crew, error)
+      class(run_crew), intent(inout) :: crew
+      type(poinsot_error), intent(inout) :: error
+      integer :: code
+      code = crew%worst(error%code)
+      if (code /= 0 .and. .not. raised(error)) call raise(error, code, "another rank failed")
+   end subroutine agree
+
+   !> All bodies on all ranks.
+   subroutine gather(crew, run)
+      class(run_crew), intent(inout) :: crew
+      type(run_state), intent(inout) :: run
+      if (crew%size > 1 .and. .not. couples_bodies(run%engine)) call crew%share(run%states)
+   end subroutine gather
 
    !> Can the scene be run? Makes the plan, runs nothing. Error: whatever the plan refuses.
    subroutine check_scene(scene, error)
@@ -96,9 +134,10 @@ contains
    end subroutine check_scene
 
    !> Folder, states, engine, first frame.
-   subroutine prepare(scene, out, run, report, error)
+   subroutine prepare(scene, out, crew, run, report, error)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out
+      class(run_crew), intent(in) :: crew
       type(run_state), intent(inout) :: run
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
@@ -127,6 +166,7 @@ contains
                     text_of(run%states%n) // " bodies")
          return
       end if
+      if (crew%number > 0) return
       call make_folder(out, error)
       if (raised(error)) return
       call clean_folder(scene, out)
@@ -207,10 +247,11 @@ contains
    end subroutine continue_from
 
    !> Piece by piece to the end, or to where the watch says stop.
-   subroutine march(scene, run, watch, report, error)
+   subroutine march(scene, run, watch, crew, report, error)
       type(scene_settings), intent(in) :: scene
       type(run_state), intent(inout) :: run
       class(run_watch), intent(inout) :: watch
+      class(run_crew), intent(inout) :: crew
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       type(piece) :: part
@@ -219,9 +260,13 @@ contains
          part = get_piece(scene, k)
          call enter_piece(run%t, part, done)
          if (done >= part%steps) cycle
-         call march_piece(scene, part, done, run, watch, report, error)
+         call march_piece(scene, part, done, run, watch, crew, report, error)
          if (raised(error) .or. run%stopped) return
-         if (part%writes) call frame(scene, run, report, error)
+         if (part%writes) then
+            call gather(crew, run)
+            if (crew%number == 0) call frame(scene, run, report, error)
+            call agree(crew, error)
+         end if
          if (raised(error)) return
          call watch%tell(run%t, scene%t_end)
       end do
@@ -254,12 +299,13 @@ contains
    end function time_in
 
    !> The steps of one piece, in chunks between looks at the watch.
-   subroutine march_piece(scene, part, done, run, watch, report, error)
+   subroutine march_piece(scene, part, done, run, watch, crew, report, error)
       type(scene_settings), intent(in) :: scene
       type(piece), intent(in) :: part
       integer(i8), intent(inout) :: done
       type(run_state), intent(inout) :: run
       class(run_watch), intent(inout) :: watch
+      class(run_crew), intent(inout) :: crew
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       integer(i8) :: steps, most
@@ -267,11 +313,14 @@ contains
       origin = part%from - real(run%step - done, dp)*part%h
       most = max(1_i8, int(first_chunk/real(body_total(scene), dp), i8))
       do while (done < part%steps)
-         run%stopped = watch%stop_now()
+         ! what depends on a clock or a signal is rank 0's to say
+         if (watch%stop_now()) most = -most
+         most = crew%first(most)
+         run%stopped = most < 0
          if (run%stopped) return
          steps = min(most, part%steps - done)
          begun = wall_clock()
-         call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error)
+         call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error, crew)
          begun = wall_clock() - begun
          report%stepping = report%stepping + begun
          ! bits do not depend on where calls end

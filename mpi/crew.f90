@@ -1,0 +1,79 @@
+!> A crew of MPI processes.
+module mpi_crew
+   use mpi, only: mpi_comm_world, mpi_double_precision, mpi_integer, mpi_integer8, mpi_in_place, mpi_max, &
+      mpi_datatype_null, mpi_init, mpi_finalize, mpi_comm_rank, mpi_comm_size
+   use poinsot_core_kinds, only: i8
+   use poinsot_scene_crew, only: run_crew, slice_of
+   use poinsot_scene_states, only: body_states
+   implicit none(type)
+   private
+   public :: process_crew, join_crew, leave_crew
+
+   !> One of MPI's processes.
+   type, extends(run_crew) :: process_crew
+   contains
+      procedure :: share
+      procedure :: worst
+      procedure :: first
+   end type process_crew
+
+   external :: mpi_allgatherv, mpi_allreduce, mpi_bcast
+
+contains
+
+   !> Start MPI.
+   subroutine join_crew(crew)
+      type(process_crew), intent(out) :: crew
+      integer :: code
+      call mpi_init(code)
+      call mpi_comm_rank(mpi_comm_world, crew%number, code)
+      call mpi_comm_size(mpi_comm_world, crew%size, code)
+   end subroutine join_crew
+
+   !> End MPI.
+   subroutine leave_crew()
+      integer :: code
+      call mpi_finalize(code)
+   end subroutine leave_crew
+
+   !> Every rank's slice to all, in place.
+   subroutine share(self, states)
+      class(process_crew), intent(inout) :: self
+      type(body_states), intent(inout) :: states
+      integer :: from, to, rank, code
+      integer :: counts(self%size), starts(self%size)
+      do rank = 0, self%size - 1
+         call slice_of(rank, self%size, states%n, from, to)
+         counts(rank + 1) = to - from + 1
+         starts(rank + 1) = from - 1
+      end do
+      call mpi_allgatherv(mpi_in_place, 0, mpi_datatype_null, states%y, 3*counts, 3*starts, &
+                          mpi_double_precision, mpi_comm_world, code)
+      call mpi_allgatherv(mpi_in_place, 0, mpi_datatype_null, states%q, 4*counts, 4*starts, &
+                          mpi_double_precision, mpi_comm_world, code)
+      call mpi_allgatherv(mpi_in_place, 0, mpi_datatype_null, states%carry, 7*counts, 7*starts, &
+                          mpi_double_precision, mpi_comm_world, code)
+      call mpi_allgatherv(mpi_in_place, 0, mpi_datatype_null, states%status, counts, starts, mpi_integer, &
+                          mpi_comm_world, code)
+   end subroutine share
+
+   integer function worst(self, code)
+      class(process_crew), intent(inout) :: self
+      integer, intent(in) :: code
+      integer :: mine(1), all(1), ignored
+      mine = code
+      if (self%size > 0) call mpi_allreduce(mine, all, 1, mpi_integer, mpi_max, mpi_comm_world, ignored)
+      worst = all(1)
+   end function worst
+
+   integer(i8) function first(self, number)
+      class(process_crew), intent(inout) :: self
+      integer(i8), intent(in) :: number
+      integer(i8) :: told(1)
+      integer :: code
+      told = number
+      if (self%size > 0) call mpi_bcast(told, 1, mpi_integer8, 0, mpi_comm_world, code)
+      first = told(1)
+   end function first
+
+end module mpi_crew
