@@ -181,9 +181,8 @@ contains
       character(120) :: line
       integer :: kind
       call tell(unit, "")
-      call tell(unit, "refused: status 'the step is too long', &
-         the body's state is kept; *: in some "// &
-         "of the cases")
+      call tell(unit, "refused: status 'step too long' or 'no convergence', state kept; "// &
+         "*: in some of the cases")
       write (line, "(a, i0, a)") "A step of any size up to 20 radians unless said; ", &
          cases_of_kind, &
          " cases of each kind, in all orders of the axes:"
@@ -272,11 +271,9 @@ contains
          do m = 1, method_count()
             do way = 1, ways
                associate (one => results(m, kind, way))
-                  write (line, "(3(a, ','), 3(i0, ','), 3(es10.3, ','), &
-                     3a)") trim(kind_names(kind)), method_name(m), &
-                     trim(way_names(way)), one%answered, one%too_long, one%other, one%y, one%q, &
-                        one%largest, &
-                     '"', verdict(m, one), '"'
+                  write (line, "(3(a, ','), 3(i0, ','), 3(es9.3, ','), 3a)") &
+                     trim(kind_names(kind)), method_name(m), trim(way_names(way)), one%answered, &
+                     one%too_long, one%other, one%y, one%q, one%largest, '"', verdict(m, one), '"'
                end associate
                call put(file, trim(line), error)
             end do

@@ -145,6 +145,7 @@ contains
          top = 1e-9_dp
       case ("long")
          top = 100
+      case default ! generic; the separatrix is made below
       end select
       one%moments = [d(1) + d(2), d(1) + d(3), d(2) + d(3)]
       if (index(kind, "separatr") == 0) return

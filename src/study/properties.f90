@@ -292,10 +292,9 @@ contains
       character(120) :: line
       orders = "exact exact"
       if (row%order > 0) write (orders, "(f5.2, 1x, f5.2)") row%slope
-      write (line, "(a20, 1x, a13, 2x, 4(a3, 1x), a3, 5x, a3, 5x, a3, 5x, a3, 8x, a3, 3x, a3, &
-         f8.1)") row%name, &
+      write (line, "(a20, 1x, a13, 2x, 4(a3, 1x), 3(a3, 5x), a3, 8x, a3, 3x, a3, f8.1)") row%name, &
          orders, holds(row%map%space), holds(row%map%casimir), holds(row%map%energy), &
-            holds(row%map%norm), &
+         holds(row%map%norm), &
          holds(row%linear), holds(row%map%poisson), holds(row%map%symplectic), &
          holds(max(row%map%symmetric, row%map%reversible)), holds(row%symmetric_body), &
             holds(row%sphere), &
@@ -308,21 +307,17 @@ contains
       character(*), intent(in) :: contradictions(:)
       character(100), parameter :: lines(13) = [character(100) :: &
          "", &
-         "Measured at three bodies (unsorted moments, &
-            one flat) at h|omega| = 0.8 on maps in quadruple", &
+         "Measured at three bodies (unsorted, one flat) at h|omega| = 0.8 on maps in quadruple", &
          "precision; derivatives by dual numbers. yes: defect below 1e-31, no: above 1e-29.", &
          "  Qy, C, H, |q|   space momentum, |y|^2/2, energy, norm: the quadratic invariants", &
-         "  linear          y along the axis of a body with two equal moments (any two), &
-            y of a sphere", &
+         "  linear          y on the axis of a body with two equal moments (any); y of a sphere", &
          "  Poisson         the Jacobian of y maps the structure matrix y^ to that of the new y", &
          "  symplectic      the Jacobian of (y, Q) keeps the canonical two-form of T*SO(3)", &
          "  time-reversible the step -h undoes the step h, and equals h with y turned round", &
          "  exact for       bodies with two equal moments (any two), with three", &
-         "  kernel off      largest distance of the library's kernel from its map in a step, &
-            in 1e-16", &
-         "Orders are slopes of the error of one step, less one; those of the kernels themselves, &
-            all", &
-         "defects, and what the kernels lose over 100 steps, are in properties.csv (--out DIR).", &
+         "  kernel off      largest distance of the kernel from its map in one step, in 1e-16", &
+         "Orders are slopes of the error of one step, less one. Those of the kernels themselves,", &
+         "all defects, and what the kernels lose over 100 steps: properties.csv (--out DIR).", &
          ""]
       integer :: i
       do i = 1, size(lines)
@@ -341,7 +336,7 @@ contains
    !> Entries of the review's row for this method that were measured otherwise.
    subroutine compare_with_review(row, contradictions, said)
       type(method_properties), intent(in) :: row
-      character(*), intent(inout) :: contradictions(:)
+      character(100), intent(inout) :: contradictions(:)
       integer, intent(inout) :: said
       character(12), parameter :: columns(5) = [character(12) :: "Qy", "C", "H", "Poisson", &
          "symplectic"]
@@ -358,19 +353,17 @@ contains
          if (holds(measured(i)) == merge("yes", "no ", review(i, k))) cycle
          if (said == size(contradictions)) return
          said = said + 1
-         write (contradictions(said), "(a, ': ', a, ' printed ', a, ', measured ', a, &
-            es9.1)") trim(row%name), &
-            trim(columns(i)), trim(merge("yes", "no ", review(i, k))), holds(measured(i)), &
-               measured(i)
+         write (contradictions(said), "(a, ': ', a, ' printed ', a, ', measured ', a, es9.1)") &
+            trim(row%name), trim(columns(i)), trim(merge("yes", "no ", review(i, k))), &
+            holds(measured(i)), measured(i)
       end do
    end subroutine compare_with_review
 
    function csv_head() result(line)
       character(:), allocatable :: line
-      line = "method,order,slope_y,slope_q,kernel_slope_y,kernel_slope_q,kernel_off,Qy,C,H,norm, &
-         linear,"// &
-         "poisson,symplectic,symmetric,reversible,symmetric_body,sphere,kernel_Qy,kernel_C, &
-            kernel_H,kernel_norm"
+      line = "method,order,slope_y,slope_q,kernel_slope_y,kernel_slope_q,kernel_off,Qy,C,H,"// &
+         "norm,linear,poisson,symplectic,symmetric,reversible,symmetric_body,sphere,"// &
+         "kernel_Qy,kernel_C,kernel_H,kernel_norm"
    end function csv_head
 
    function csv_row(row) result(line)
@@ -378,11 +371,9 @@ contains
       character(:), allocatable :: line
       character(400) :: numbers
       write (numbers, "(a, ',', i0, 20(',', es10.3))") trim(row%name), row%order, row%slope, &
-         row%kernel_slope, &
-         row%distance, row%map%space, row%map%casimir, row%map%energy, row%map%norm, row%linear, &
-            row%map%poisson, &
-         row%map%symplectic, row%map%symmetric, row%map%reversible, row%symmetric_body, &
-            row%sphere, row%kernel
+         row%kernel_slope, row%distance, row%map%space, row%map%casimir, row%map%energy, &
+         row%map%norm, row%linear, row%map%poisson, row%map%symplectic, row%map%symmetric, &
+         row%map%reversible, row%symmetric_body, row%sphere, row%kernel
       line = trim(numbers)
    end function csv_row
 

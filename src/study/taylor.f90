@@ -81,7 +81,7 @@ contains
       real(dp), intent(out) :: of_y, of_q
       real(qp), parameter :: part = 1e-5_qp
       real(qp) :: inverse(3), i(3), z(3), r(4), z0(3), r0(4), time, size
-      integer :: j
+      integer :: j, k
       inverse = 0
       where (moments > 0) inverse = 1/real(moments, qp)
       z0 = y
@@ -91,13 +91,19 @@ contains
       of_y = 0
       of_q = 0
       if (size > 0) then
-         do j = 1, merge(7, 4, with_moments)
+         do j = 1, 7
+            if (j > 3 .and. j < 7 .and. .not. with_moments) cycle
             z = y
             i = inverse
             time = t
-            if (j <= 3) z(j) = z(j)*(1 + part)
-            if (j == 4) time = time*(1 + part)
-            if (j > 4) i(j - 4) = i(j - 4)*(1 + part)
+            k = 1 + mod(j - 1, 3)
+            if (j <= 3) then
+               z(k) = z(k)*(1 + part)
+            else if (j <= 6) then
+               i(k) = i(k)*(1 + part)
+            else
+               time = time*(1 + part)
+            end if
             r = [1, 0, 0, 0]
             call taylor_flow(i, time, z, r, .true.)
             of_y = of_y + real(norm2(z - z0)/(part*size), dp)

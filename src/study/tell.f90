@@ -12,6 +12,7 @@ contains
       character(*), intent(in) :: line
       integer :: code
       write (unit, "(a)", iostat=code) trim(line)
+      if (code /= 0) return
    end subroutine tell
 
 end module poinsot_study_tell
