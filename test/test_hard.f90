@@ -4,10 +4,11 @@ module test_hard
    use testdrive, only: new_unittest, unittest_type, error_type, check
    use poinsot_core_kinds, only: dp, qp
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step
-   use test_bodies, only: permute_body, random_body, rate_bound
+   use test_bodies, only: permute_body, random_body
    use test_free_tools, only: method_names, approximate_count, turn_body, text
    use test_hard_cases, only: hard_case, hard_list, add_case, judge_case, worst_errors, &
-      all_orders, unmoved
+      all_orders, unmoved, &
+      largest_rate, last_truth
    use test_hard_faults, only: collect_hard_faults
    use test_hard_tops, only: collect_hard_tops
    use test_measure, only: attitude_distance, momentum_distance
@@ -32,6 +33,7 @@ contains
          new_unittest("steps-of-any-length", test_steps), &
          new_unittest("billion-periods-symmetric", test_billion), &
          new_unittest("there-and-back", test_back), &
+         new_unittest("moments-a-rounding-too-wide", test_too_wide), &
          new_unittest("rest-and-denormals", test_rest), &
          tops, faults]
    end subroutine collect_hard
@@ -111,9 +113,6 @@ contains
       call add_case(list, "linear 1e-100", [1e-100_dp, 1.0_dp, 1.0_dp], [3e-101_dp, 0.6_dp, &
          -0.4_dp])
       call add_case(list, "linear 1e-300", [1e-300_dp, 1.0_dp, 1.0_dp], [0.0_dp, 0.6_dp, -0.4_dp])
-      call add_case(list, "linear 1e-20, a rounding too wide", [1e-20_dp, 1.0_dp, &
-         1.0_dp + 2.3e-16_dp], [0.0_dp, 0.6_dp, &
-         -0.4_dp])
    end subroutine list_kinds
 
    ! Judged
@@ -126,13 +125,14 @@ contains
       integer, intent(in) :: orders(:)
       real(dp), intent(in) :: turns(:), units
       type(worst_errors), intent(inout) :: worst(methods)
+      type(last_truth) :: truth
       integer :: i, k, m, o
       do i = 1, list%n
-         do m = 1, methods
-            do k = 1, size(turns)
+         do k = 1, size(turns)
+            o = orders(1 + mod(i + k, size(orders)))
+            do m = 1, methods
                if (m <= approximate_count .and. abs(turns(k)) > 1.5_dp) cycle ! test_steps has them
-               o = orders(1 + mod(i + k, size(orders)))
-               call judge_case(error, list%at(i), o, turns(k), m, units, worst(m))
+               call judge_case(error, list%at(i), o, turns(k), m, units, worst(m), truth)
                if (allocated(error)) return
             end do
          end do
@@ -248,6 +248,7 @@ contains
       type(hard_list) :: list
       type(worst_errors) :: worst(methods)
       type(hard_case) :: case
+      type(last_truth) :: truth
       real(dp) :: y(3), q(4), turn
       integer :: i, k, m, status
       call list_kinds(list)
@@ -262,13 +263,16 @@ contains
                case%q), &
                trim(method_names(m))//": a step of zero moves, "//case%label)
             if (allocated(error)) return
-            do k = 1, size(powers)
+         end do
+         do k = 1, size(powers)
+            do m = 1, methods
                if (mod(i + k + m, 3) /= 0) cycle
                turn = (-1)**k*6.28_dp*10.0_dp**powers(k)
                if (abs(turn) < 3) then
-                  call judge_case(error, case, 1 + mod(i, 6), turn, m, 6.0_dp, worst(m))
+                  call judge_case(error, case, 1 + mod(i, 6), turn, m, 6.0_dp, worst(m), truth)
                else
-                  call judge_case(error, case, 1 + mod(i, 6), turn, m, 40.0_dp, worst(m), .false.)
+                  call judge_case(error, case, 1 + mod(i, 6), turn, m, 40.0_dp, worst(m), truth, &
+                     .false.)
                end if
                if (allocated(error)) return
             end do
@@ -321,7 +325,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(hard_list) :: list
       type(random_body) :: body
-      real(dp) :: y(3), q(4), h, gap, far
+      real(dp) :: y(3), q(4), h, gap
       integer :: i, m, status(2)
       call list_kinds(list)
       do i = 1, list%n
@@ -329,22 +333,45 @@ contains
          body%y = list%at(i)%y
          body%q = list%at(i)%q
          call permute_body(all_orders(:, 1 + mod(i, 6)), body)
-         h = 0.3_dp/max(rate_bound(body%moments, body%y), 1e-3_dp)
+         h = 0.3_dp/max(largest_rate(body%moments, body%y), 1e-3_dp)
          do m = 1, methods
             if (mod(i + m, 3) /= 0) cycle
             y = body%y
             q = body%q
             call turn_body(method_names(m), body%moments, h, 100, y, q, status(1))
-            far = attitude_distance(q, body%q)
             call turn_body(method_names(m), body%moments, -h, 100, y, q, status(2))
+            if (m <= 2 .and. any(status == poinsot_e_step)) cycle ! a thin body: see refuse_wide_turns
             gap = momentum_distance(y, body%y) + attitude_distance(q, body%q)
-            call check(error, all(status == poinsot_ok) .and. gap < 2e-13_dp .and. far > 1e-14_dp, &
+            call check(error, all(status == poinsot_ok) .and. gap < 2e-13_dp, &
                trim(method_names(m))// &
-               " does not come back, "//text(gap)//" off, "//text(far)//" away: "//list%at(i)%label)
+               " does not come back, "//text(gap)//" off: "//list%at(i)%label)
             if (allocated(error)) return
          end do
       end do
    end subroutine test_back
+
+   !> A thin body whose I3 - I2 is many times I1, and still a rounding of I3: it is taken as flat, by
+   !> all constants alike, so that the two exact methods tell the same motion.
+   subroutine test_too_wide(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: moments(3) = [1e-20_dp, 1.0_dp, 1.0_dp + 2.3e-16_dp]
+      real(dp), parameter :: y0(3) = [2e-21_dp, 0.6_dp, -0.4_dp]
+      real(dp) :: y(3, 2), q(4, 2), h, gap
+      integer :: k, m, status(2)
+      do k = -2, 4
+         h = 1.3_dp*10.0_dp**k
+         do m = 1, 2
+            y(:, m) = y0
+            q(:, m) = [1, 0, 0, 0]
+            call turn_body(method_names(approximate_count + m), moments, h, 1, y(:, m), q(:, m), &
+               status(m))
+         end do
+         gap = momentum_distance(y(:, 1), y(:, 2)) + attitude_distance(q(:, 1), q(:, 2))
+         call check(error, all(status == poinsot_ok) .and. gap < 1e-14_dp*(1 + 10*h), &
+            "exact and jacobi differ by "//text(gap)//" after "//text(h))
+         if (allocated(error)) return
+      end do
+   end subroutine test_too_wide
 
    !> y = 0, and momenta, moments and steps at the lower end of the range.
    subroutine test_rest(error)

@@ -6,6 +6,7 @@
 !> equal moments. Vilmart (2013), Algorithm 2 with the corrections of mathematics, section 1.
 module poinsot_free_split_rotations
    use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_lanes, only: largest
    use poinsot_core_status, only: poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_elliptic_elementary, only: sincos_block
@@ -19,7 +20,7 @@ module poinsot_free_split_rotations
 contains
 
    !> Increments of a step of the three-rotations splitting: order 2. POINSOT_E_STEP for h |omega| >
-   !> pi/2.
+   !> pi/2, and where a part turns by more. The error grows like the largest moment over the smallest.
    pure subroutine three_rotations_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                         !! not used
@@ -38,6 +39,7 @@ contains
       do k = 1, size(axis)
          j = axis(k)
          half = (0.5_dp*part(k))*((y(:, j) + dy(:, j))*class%inverse(j)*hl)
+         call refuse_wide_turns(half, status)
          call turn_about(j, half, y, q, dy, dq)
       end do
       ! The turns leave momentum of order h^3 about an axis without inertia, where there can be
@@ -66,11 +68,14 @@ contains
       rest = 0.25_dp*(class%inverse(a) - class%inverse(b))
       beta = 0.5_dp*(class%inverse(c) - class%inverse(b))
       half = rest*(y(:, a) + dy(:, a))*hl
+      call refuse_wide_turns(half, status)
       call turn_about(a, half, y, q, dy, dq)
       call turn_along_momentum(class%inverse(b), hl, y, q, dy, dq)
       half = beta*(y(:, c) + dy(:, c))*hl
+      call refuse_wide_turns(half, status)
       call turn_about(c, half, y, q, dy, dq)
       half = rest*(y(:, a) + dy(:, a))*hl
+      call refuse_wide_turns(half, status)
       call turn_about(a, half, y, q, dy, dq)
    end subroutine symmetric_rotation_increment
 
@@ -134,6 +139,19 @@ contains
          dq(l, 1 + b) = dq(l, 1 + b) + (e*qb - s(l)*qa)
       end do
    end subroutine turn_about
+
+   !> Set the turn to 0 and POINSOT_E_STEP where it exceeds a quarter turn. The parts of a splitting may
+   !> turn a thin body about its own axis by far more than it turns itself in the step: a part before
+   !> leaves momentum there, and the moment is small.
+   pure subroutine refuse_wide_turns(half, status)
+      real(dp), intent(inout) :: half(lanes)
+      integer, intent(inout) :: status(lanes)
+      if (largest(abs(half)) <= 0.5_dp*quarter_turn) return
+      where (abs(half) > 0.5_dp*quarter_turn)
+         status = poinsot_e_step
+         half = 0
+      end where
+   end subroutine refuse_wide_turns
 
    !> Turn q + dq by the rotation vector h (y + dy)/I: the free flow of a spherical body.
    pure subroutine turn_along_momentum(inverse, h, y, q, dy, dq)
