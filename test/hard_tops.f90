@@ -207,8 +207,8 @@ contains
             call check(error, all(ieee_is_finite(y)) .and. abs(norm2(q) - 1) < 1e-12_dp, &
                "not finite by "//splitting_name(i))
             if (allocated(error)) return
-            call check(error, gap < merge(0.01_dp, 1e4_dp, k == 1 .or. (k == 3 .and. i == 1)), &
-               splitting_name(i)// &
+            if (.not. (k == 1 .or. (k == 3 .and. i == 1))) cycle
+            call check(error, gap < 0.01_dp, splitting_name(i)// &
                ": energy is "//text(gap)//" off at h omega0 = "//text(paces(k)))
             if (allocated(error)) return
          end do
@@ -227,7 +227,8 @@ contains
       integer :: i, k, m, status
       do i = 1, splitting_count()
          ! G is of the square of the torque
-         if (splitting_name(i) == "chin4" .or. index(splitting_name(i), "omelyan") > 0) cycle
+         if (any(splitting_name(i) == [character(15) :: "chin4", "omelyan4", "omelyan6", "omelyan8", &
+            "takahashi-imada"])) cycle
          do k = 1, 4
             do m = 1, 3
                y = [0.05_dp, 0.0_dp, 0.0_dp]
