@@ -174,6 +174,21 @@ contains
       end if
    end subroutine check_ready
 
+   !> A torque whose product with the step would leave the range of numbers: the body fails.
+   pure subroutine refuse_strong(h, b, torque)
+      real(dp), intent(in) :: h
+      type(block_state), intent(inout) :: b
+      real(dp), intent(inout) :: torque(lanes, 3)
+      real(dp) :: strongest
+      integer :: l
+      strongest = 0.0625_dp*huge(h)/max(1.0_dp, abs(h))
+      do l = 1, b%n
+         if (maxval(abs(torque(l, :))) <= strongest) cycle
+         b%status(l) = poinsot_e_domain
+         torque(l, :) = 0
+      end do
+   end subroutine refuse_strong
+
    subroutine run_kick(self, class, b)
       class(kick_job), intent(inout) :: self
       type(body_class), intent(in) :: class
@@ -187,6 +202,7 @@ contains
          end do
       end do
       call b%refuse_values(dy)
+      call refuse_strong(self%h, b, dy)
       if (self%same_frame .and. .not. b%compensated .and. all(class%inverse > 0)) then
          b%adding = .true.
          b%add = self%h*dy
