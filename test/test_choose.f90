@@ -373,7 +373,7 @@ contains
             if (racers(i)%met == 0) cycle
             h = task%longest/real(racers(i)%met, dp)
             call time_steps(racers(i)%plan, many, h, racers(i)%ns*max(1, 32/many%n), 1e-3_dp, &
-               100000_i8, .true., &
+               task%unit*racers(i)%met, .true., &
                             times(round, i))
             times(round, i) = times(round, i)/h
          end do
