@@ -381,7 +381,8 @@ contains
       mine = median(ns)/answer%best%h
       ratio = 1
       do i = 1, size(racers)
-         if (racers(i)%met > 0 .and. minval(times(:, i)) > 0) ratio = max(ratio, mine/median(times(:, i)))
+         if (racers(i)%met > 0 .and. minval(times(:, i)) > 0) ratio = max(ratio, &
+            mine/median(times(:, i)))
       end do
       associate (unused => poinsot_e_method, unused_2 => again%best)
       end associate
