@@ -8,6 +8,7 @@ module app_cost
    use poinsot_study_cost_files, only: write_points, write_members, write_report, write_drift_rows
    use poinsot_study_cost_plots, only: write_cost_plots, cost_pictures
    use poinsot_study_members, only: any_direction
+   use poinsot_study_rivals, only: rival_point, read_rivals
    use app_arguments, only: word_list
    use app_codes, only: exit_ok, exit_usage, exit_of_run
    use app_draw, only: draw_pictures, show_file
@@ -19,9 +20,9 @@ module app_cost
    private
    public :: command_cost
 
-   character(13), parameter :: known(11) = [character(13) :: "--out", "--budget", "--methods", &
+   character(13), parameter :: known(12) = [character(13) :: "--out", "--budget", "--methods", &
       "--splittings", &
-      "--tol", "--spread", "--states", "--sums", "--set", "--no-pictures", "--quiet"]
+      "--tol", "--spread", "--states", "--sums", "--rivals", "--set", "--no-pictures", "--quiet"]
    real(dp), parameter :: usual_tolerances(5) = [1e-3_dp, 1e-6_dp, 1e-9_dp, 1e-12_dp, 1e-15_dp]
 
 contains
@@ -87,14 +88,17 @@ contains
       integer, intent(out) :: code
       type(progress_watch) :: watch
       type(cost_study) :: study
+      type(rival_point), allocatable :: rivals(:)
       type(poinsot_error) :: error
       character(:), allocatable :: out
       out = options%out
       if (len(out) == 0) out = "poinsot-out/" // scene%name // "-cost"
       watch%shown = error_is_terminal() .and. .not. options%quiet
       call catch_interrupts()
-      call study_cost(scene, request, watch, study, error)
+      call read_rivals(options%rivals, rivals, error)
+      if (.not. raised(error)) call study_cost(scene, request, watch, study, error)
       call watch%wipe()
+      if (.not. raised(error)) study%rivals = rivals
       if (.not. raised(error)) call make_folder(out, error)
       if (.not. raised(error)) call write_points(out // "/cost.csv", study, error)
       if (.not. raised(error)) call write_drift_rows(out // "/drift.csv", study, error)

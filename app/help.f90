@@ -60,7 +60,7 @@ contains
             "poinsot choose SCENE --tol 1e-8 [OPTIONS]", &
             "", &
             "Finds the cheapest method, splitting and step that meet a tolerance at the scene's", &
-            "end, on its own bodies and on this machine, and writes the scene with them filled in.", &
+            "end, on its own bodies and this machine, and writes the scene with them filled in.", &
             "The tolerance is for the attitude, in radians, and for the momentum, over its size.", &
             "", &
             "   --tol TOL              the tolerance, 1e-15 to 1 (default &scene tol)", &
@@ -70,8 +70,9 @@ contains
             "   --splittings A,B,C     among these only", &
             "   --quiet                print errors only", &
             "", &
-            "A scene with method = 'auto' or splitting = 'auto' does the same when it starts, for", &
-            "&scene tol, within 5 seconds, and says in its summary and restart what it chose; a", &
+            "A scene with method = 'auto' does the same when it starts, for &scene tol, within 5", &
+            "seconds, and says in summary and restart what it chose; splitting = 'auto' keeps the", &
+            "method; a step that is given is the longest allowed; a", &
             "restart never chooses again. Exit code 3: nothing meets the tolerance."])
       case ("properties")
          call put([character(100) :: &
@@ -167,6 +168,8 @@ contains
          "   --spread ANGLE         how far they differ from the scene's own, in radians, or any", &
          "                          (default 0.3; of free bodies any)", &
          "   --sums plain           without compensated sums, which `poinsot run` has", &
+         "   --rivals A.csv,B.csv   other integrators in the pictures, and the ratio of times at", &
+         "                          equal error (bench/rivals.sh SCENE measures them)", &
          "   --set GROUP.KEY=VALUE  a setting over the file's own, as in run", &
          "   --out DIR              folder for the output (default poinsot-out/SCENE-cost)", &
          "   --no-pictures          write the plot scripts, do not run gnuplot", &

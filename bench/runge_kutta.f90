@@ -8,7 +8,7 @@ module bench_runge_kutta
    use poinsot_core_kinds, only: dp
    implicit none(type, external)
    private
-   public :: rk4_scalar, dop853_scalar, rk4_vector, dop853_vector
+   public :: rk4_scalar, dop853_scalar, rk4_vector, dop853_vector, tableau
 
    ! bodies side by side in the vector form (8, 16 and 64 are slower)
    integer, parameter :: width = 32

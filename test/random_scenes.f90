@@ -83,24 +83,22 @@ contains
       u = draw(k, 20)
       text = ""
       if (u < 0.15_dp) return
-      if (u < 0.45_dp .or. u > 0.93_dp) text = text // "&gravity centre = " // vector(k, 21, &
-         draw(k, 24)) // &
-                                               " /" // break
-      if (u >= 0.45_dp .and. u < 0.6_dp) text = text // "&gravity_gradient rate = " // &
-         text_of(draw(k, 24)) // &
-                                                " /" // break
-      if (u >= 0.6_dp .and. u < 0.7_dp) text = text // "&field dipole = " // vector(k, 21, &
-         0.7_dp) // &
-                                               ", strength = 0, 0, 1, motion = 'rotating', frequency = " // &
-                                               text_of(draw(k, 24)) // ", axis = 1, 0, 0 /" // break
-      if (u >= 0.7_dp .and. u < 0.8_dp) text = text // "&spring stiffness = " // text_of(draw(k, &
-         24)) // &
-                                               ", axis = " // vector(k, 25, 1.0_dp) // " /" // break
-      if (u >= 0.8_dp .and. u < 0.88_dp) text = text // "&gyrostat rotor = " // vector(k, 21, &
-         0.4_dp) // &
-                                                " /" // break
-      if (u >= 0.88_dp) text = text // "&field dipole = " // vector(k, 28, 0.5_dp) // &
-                               ", strength = 1, 0, 0 /" // break
+      if (u < 0.45_dp .or. u > 0.93_dp) then
+         text = "&gravity centre = " // vector(k, 21, draw(k, 24)) // " /" // break
+      else if (u < 0.6_dp) then
+         text = "&gravity_gradient rate = " // text_of(draw(k, 24)) // " /" // break
+      else if (u < 0.7_dp) then
+         text = "&field dipole = " // vector(k, 21, 0.7_dp) // ", strength = 0, 0, 1, " // &
+                "motion = 'rotating', frequency = " // text_of(draw(k, 24)) // &
+                ", axis = 1, 0, 0 /" // break
+      else if (u < 0.8_dp) then
+         text = "&spring stiffness = " // text_of(draw(k, 24)) // ", axis = " // &
+                vector(k, 25, 1.0_dp) // " /" // break
+      else if (u < 0.88_dp) then
+         text = "&gyrostat rotor = " // vector(k, 21, 0.4_dp) // " /" // break
+      end if
+      if (u < 0.88_dp) return
+      text = text // "&field dipole = " // vector(k, 28, 0.5_dp) // ", strength = 1, 0, 0 /" // break
    end function effects
 
    !> Outputs, for half of the scenes.

@@ -373,7 +373,7 @@ contains
             if (racers(i)%met == 0) cycle
             h = task%longest/real(racers(i)%met, dp)
             call time_steps(racers(i)%plan, many, h, racers(i)%ns*max(1, 32/many%n), 1e-3_dp, &
-               100000_i8, .true., &
+               task%unit*racers(i)%met, .true., &
                             times(round, i))
             times(round, i) = times(round, i)/h
          end do
@@ -381,7 +381,8 @@ contains
       mine = median(ns)/answer%best%h
       ratio = 1
       do i = 1, size(racers)
-         if (racers(i)%met > 0 .and. minval(times(:, i)) > 0) ratio = max(ratio, mine/median(times(:, i)))
+         if (racers(i)%met > 0 .and. minval(times(:, i)) > 0) ratio = max(ratio, &
+            mine/median(times(:, i)))
       end do
       associate (unused => poinsot_e_method, unused_2 => again%best)
       end associate

@@ -149,7 +149,9 @@ contains
          along = dot_product(members%y(:, i), members%y(:, 1))/norm2(members%y(:, &
             i))/norm2(members%y(:, 1))
          call check(error, along > cos(0.1001_dp) .and. along < 1 .and. &
-                    abs(norm2(members%q(:, i)) - 1) < 1e-15_dp, "others are turned by 0.1 at most")
+                    abs(norm2(members%q(:, i)) - 1) < 1e-15_dp .and. &
+                    members%q(1, i) > cos(0.05001_dp) .and. members%q(1, i) < 1 .and. &
+                    all(abs(members%q(2:, i)) > 1e-9_dp), "others are turned by 0.1 at most")
       end do
    end subroutine members_near
 

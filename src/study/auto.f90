@@ -38,8 +38,6 @@ contains
       request%methods = any_name
       request%splittings = any_name
       if (scene%method /= "auto") request%methods = [character(24) :: scene%method]
-      if (scene%splitting /= "auto" .and. scene%method /= "auto") &
-         request%splittings = [character(24) :: scene%splitting]
       call choose_method(scene, request, watch, answer, error)
       if (raised(error)) return
       scene%method = trim(answer%best%way%method)

@@ -118,8 +118,9 @@ contains
       if (raised(error)) return
       task%unit = least_steps(scene, request%longest, task%t_end)
       task%longest = task%t_end/real(task%unit, dp)
-      if (request%longest <= 0 .and. scene%output%present .and. scene%output%every > 0) &
+      if (request%longest <= 0 .and. scene%output%present .and. scene%output%every > 0) then
          task%longest = min(scene%output%every, scene%t_end)
+      end if
       allocate (racers(size(list)))
       do i = 1, size(list)
          call make_plan(quiet, trim(list(i)%method), plan_splitting(list(i)), racers(i)%plan, error)

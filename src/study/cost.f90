@@ -18,6 +18,7 @@ module poinsot_study_cost
    use poinsot_study_errors, only: body_errors, find_errors
    use poinsot_study_members, only: member_set, draw_members, repeat_members
    use poinsot_study_reference, only: reference_solution, find_reference
+   use poinsot_study_rivals, only: rival_point
    use poinsot_study_statistics, only: median, quantile
    use poinsot_study_timing, only: time_steps
    use poinsot_study_trial, only: trial_run, make_plan, run_trial, most_checks
@@ -46,6 +47,7 @@ module poinsot_study_cost
       type(reference_solution) :: reference
       real(dp) :: t_end = 0
       type(drift_row), allocatable :: drift(:)    !! energy in long runs
+      type(rival_point), allocatable :: rivals(:) !! other integrators, from files; size 0: none
       logical :: conserves = .false.              !! the scene keeps its energy
       real(dp) :: seconds = 0                     !! spent
       logical :: stopped = .false.                !! somebody asked to stop
@@ -110,7 +112,7 @@ contains
       if (request%timed) call take_times(request, begun, watch, climbers, study)
       call frontier(study%points, of_angle)
       call frontier(study%points, of_momentum)
-      allocate (study%drift(0))
+      allocate (study%drift(0), study%rivals(0))
       if (request%timed) call run_long(quiet, request, begun, watch, study, error)
       study%seconds = wall_seconds() - begun
    end subroutine study_cost

@@ -14,6 +14,7 @@ module poinsot_study_cost_files
    use poinsot_study_cost_point, only: cost_point, cheapest, middle, worst, of_angle, of_momentum, &
       of_both
    use poinsot_study_efficient, only: frontier_part, frontier_parts
+   use poinsot_study_rivals, only: rival_names, rival_time
    implicit none(type, external)
    private
    public :: write_points, write_members, write_report, write_drift_rows
@@ -92,6 +93,7 @@ contains
       if (raised(error)) return
       call put(file, "# scene " // scene%name // ", from t = 0 to " // text_of(study%t_end) // &
                "; reference: " // study%reference%how, error)
+      call put_effects(file, scene, error)
       call put(file, &
          "I1,I2,I3,y1,y2,y3,q0,q1,q2,q3,end_y1,end_y2,end_y3,end_q0,end_q1,end_q2,end_q3", error)
       do i = 1, study%members%n
@@ -107,6 +109,27 @@ contains
       end do
       call finish_out(file, error)
    end subroutine write_members
+
+   !> What acts on the bodies, as comments that a program can read.
+   subroutine put_effects(file, scene, error)
+      type(out_file), intent(in) :: file
+      type(scene_settings), intent(in) :: scene
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: line
+      integer :: i, j
+      call put(file, "# t_end " // text_of(scene%t_end), error)
+      do i = 1, size(scene%effects)
+         line = "# effect " // scene%effects(i)%name
+         do j = 1, size(scene%effects(i)%settings)
+            associate (one => scene%effects(i)%settings(j))
+               if (allocated(one%values)) line = line // "; " // one%key // " = " // &
+                  text_of(one%values)
+               if (allocated(one%text)) line = line // "; " // one%key // " = '" // one%text // "'"
+            end associate
+         end do
+         call put(file, line, error)
+      end do
+   end subroutine put_effects
 
    !> drift.csv: error of the energy against time. Error: POINSOT_E_IO.
    subroutine write_drift_rows(path, study, error)
@@ -164,6 +187,7 @@ contains
                                           "distance from the reference, and no long run is made", &
                                              error)
       call put_choices(file, study, tolerances, of_both, error)
+      if (size(study%rivals) > 0) call put_rivals(file, study, tolerances, error)
       call put_curves(file, study, error)
       call finish_out(file, error)
    end subroutine write_report
@@ -215,6 +239,39 @@ contains
          end if
       end do
    end subroutine put_choices
+
+   !> Rivals: their time over that of our cheapest, at equal error.
+   subroutine put_rivals(file, study, tolerances, error)
+      type(out_file), intent(in) :: file
+      type(cost_study), intent(in) :: study
+      real(dp), intent(in) :: tolerances(:)
+      type(poinsot_error), intent(inout) :: error
+      character(32), allocatable :: names(:)
+      character(200) :: line
+      real(dp) :: theirs
+      integer :: i, k, best
+      call rival_names(study%rivals, names)
+      call put(file, "", error)
+      call put(file, &
+         "time of others over that of our cheapest, at equal error (-: it does not come so far)", &
+         error)
+      line = "tolerance"
+      do i = 1, size(tolerances)
+         write (line(24 + 12*i:), "(es12.0e2)") tolerances(i)
+      end do
+      call put(file, trim(line), error)
+      do k = 1, size(names)
+         line = names(k)
+         do i = 1, size(tolerances)
+            best = cheapest(study%points, tolerances(i), of_both, middle)
+            theirs = rival_time(study%rivals, trim(names(k)), tolerances(i))
+            line(24 + 12*i:35 + 12*i) = "           -"
+            if (best == 0 .or. .not. theirs > 0) cycle
+            write (line(24 + 12*i:), "(f12.2)") theirs/(study%points(best)%ns/study%points(best)%h)
+         end do
+         call put(file, trim(line), error)
+      end do
+   end subroutine put_rivals
 
    !> The best that each candidate reaches.
    subroutine put_curves(file, study, error)

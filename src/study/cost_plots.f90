@@ -12,7 +12,9 @@ module poinsot_study_cost_plots
    use poinsot_study_cost, only: cost_study
    use poinsot_study_cost_point, only: cost_point, middle, of_angle, of_momentum, error_of
    use poinsot_study_efficient, only: frontier_part, frontier_parts, frontier_line
-   use poinsot_study_labels, only: label_list, axis, place_label, take_point, fraction_of
+   use poinsot_study_labels, only: label_list, axis, place_label, place_along, take_point, &
+      fraction_of
+   use poinsot_study_rivals, only: rival_point, rival_names
    use poinsot_study_plots, only: put_terminals, strong, strong_colour, strong_point, nice_below, &
       nice_above, either
    implicit none(type, external)
@@ -52,11 +54,12 @@ contains
       type(frontier_part), allocatable :: parts(:)
       integer, allocatable :: chosen(:), shown(:)
       character(:), allocatable :: columns, plot
-      integer :: i, k
+      integer :: i, k, rivals
       if (raised(error)) return
       call open_out(out // "/plot_" // name // ".gp", file, error)
       if (raised(error)) return
       call put_front(file, study, what, error)
+      call put_rivals(file, study, what, rivals, error)
       call put_terminals(file, name, 820, 560, error)
       call work_axes(study, what, x, y)
       call frontier_parts(study%points, size(study%candidates), what, parts)
@@ -97,11 +100,17 @@ contains
             if (.not. any(chosen == i)) call name_curve(file, study, what, i, x, y, labels, error)
          end do
       end if
+      call name_rivals(file, study, what, x, y, labels, error)
       plot = "plot $front using 1:2 with lines lw 11 lc rgb '#dbe4ee', "
       do i = 1, size(study%candidates)
          if (any(chosen == i) .or. .not. any(study%points%candidate == i)) cycle
          call put(file, plot // rows(study, i) // " using " // columns // &
                   " with lines lw 0.6 lc rgb '#c9c9c9', \", error)
+         plot = "   "
+      end do
+      do k = 1, rivals
+         call put(file, plot // "$rivals index " // text_of(k - 1) // &
+                  " using 1:2 with linespoints dt 2 pt 2 ps 0.5 lw 1.3 lc rgb '#555555', \", error)
          plot = "   "
       end do
       do k = 1, size(chosen)
@@ -167,6 +176,80 @@ contains
       call put(file, "EOD", error)
    end subroutine put_front
 
+   !> Rivals as data in the script, one block each.
+   subroutine put_rivals(file, study, what, rivals, error)
+      type(out_file), intent(in) :: file
+      type(cost_study), intent(in) :: study
+      integer, intent(in) :: what
+      integer, intent(out) :: rivals              !! how many
+      type(poinsot_error), intent(inout) :: error
+      character(32), allocatable :: names(:)
+      character(40) :: row
+      integer :: i, k
+      call rival_names(study%rivals, names)
+      rivals = size(names)
+      if (rivals == 0) return
+      call put(file, "$rivals << EOD", error)
+      do k = 1, rivals
+         if (k > 1) call put(file, "", error)
+         if (k > 1) call put(file, "", error)
+         do i = 1, size(study%rivals)
+            if (study%rivals(i)%name /= names(k)) cycle
+            write (row, "(es12.5e3, ',', es12.5e3)") rival_error(study%rivals(i), what), &
+               study%rivals(i)%time
+            call put(file, row, error)
+         end do
+      end do
+      call put(file, "EOD", error)
+   end subroutine put_rivals
+
+   !> Names of rivals, each at the most accurate point it has in the picture.
+   subroutine name_rivals(file, study, what, x, y, labels, error)
+      type(out_file), intent(in) :: file
+      type(cost_study), intent(in) :: study
+      integer, intent(in) :: what
+      type(axis), intent(in) :: x, y
+      type(label_list), intent(inout) :: labels
+      type(poinsot_error), intent(inout) :: error
+      character(32), allocatable :: names(:)
+      real(dp), allocatable :: px(:), py(:)
+      real(dp) :: off, up
+      integer :: i, k
+      call rival_names(study%rivals, names)
+      do k = 1, size(names)
+         if (allocated(px)) deallocate (px, py)
+         allocate (px(0), py(0))
+         do i = 1, size(study%rivals)
+            if (study%rivals(i)%name /= names(k)) cycle
+            off = fraction_of(x, max(rival_error(study%rivals(i), what), least_shown))
+            up = fraction_of(y, study%rivals(i)%time)
+            call take_point(labels, off, up, 1000 + k)
+            if (off < 0.1_dp .or. up > 1) cycle
+            px = [px, off]
+            py = [py, up]
+         end do
+         if (size(px) == 0) cycle
+         call place_along(labels, px, py, len_trim(names(k)), off, up)
+         call put(file, "set label '{/:Italic " // trim(names(k)) // "}' at " // graph_place(off, &
+            up) // &
+                  " tc rgb '#404040' font ',10' front", error)
+      end do
+   end subroutine name_rivals
+
+   !> A place as gnuplot reads it.
+   pure function graph_place(x, y) result(text)
+      real(dp), intent(in) :: x, y        !! fractions of the picture
+      character(32) :: text
+      write (text, "('graph ', f7.4, ', graph ', f7.4)") x, y
+   end function graph_place
+
+   !> The error of a rival that the picture is about.
+   pure real(dp) function rival_error(point, what)
+      type(rival_point), intent(in) :: point
+      integer, intent(in) :: what
+      rival_error = merge(point%angle(1), point%momentum(1), what == of_angle)
+   end function rival_error
+
    !> Ranges that hold all good points.
    pure subroutine work_axes(study, what, x, y)
       type(cost_study), intent(in) :: study
@@ -185,6 +268,11 @@ contains
             least = min(least, [off, time])
             most = max(most, [off, time])
          end associate
+      end do
+      do i = 1, size(study%rivals)
+         if (rival_error(study%rivals(i), what) > 0.1_dp) cycle
+         least(2) = min(least(2), study%rivals(i)%time)
+         most(2) = min(max(most(2), study%rivals(i)%time), 1e3_dp*least(2)*100)
       end do
       if (least(1) > most(1)) least = 1e-16_dp
       if (.not. most(1) > 0) most = 1
@@ -221,7 +309,7 @@ contains
       end do
    end subroutine take_points
 
-   !> Name any other curve at its most accurate point.
+   !> Name any other curve, wherever along it there is room.
    subroutine name_curve(file, study, what, candidate, x, y, labels, error)
       type(out_file), intent(in) :: file
       type(cost_study), intent(in) :: study
@@ -229,21 +317,35 @@ contains
       type(axis), intent(in) :: x, y
       type(label_list), intent(inout) :: labels
       type(poinsot_error), intent(inout) :: error
-      real(dp) :: least
-      integer :: i, at
-      at = 0
-      least = huge(least)
+      real(dp), allocatable :: px(:), py(:)
+      character(:), allocatable :: text
+      integer :: i
+      allocate (px(0), py(0))
       do i = 1, size(study%points)
          associate (p => study%points(i))
             if (p%candidate /= candidate .or. .not. p%good .or. .not. p%ns > 0) cycle
-            if (error_of(p, what, middle) > 0.7_dp*least) cycle
-            least = error_of(p, what, middle)
-            at = i
+            if (error_of(p, what, middle) > 0.3_dp) cycle
+            px = [px, fraction_of(x, max(error_of(p, what, middle), least_shown))]
+            py = [py, fraction_of(y, p%ns/p%h)]
          end associate
       end do
-      if (at > 0) call put_label(file, study, what, candidate, at, x, y, "#707070", .false., &
-         labels, error)
+      text = label_of(study%candidates(candidate))
+      if (size(px) > 0) call write_label(file, text, px, py, "#707070", labels, error)
    end subroutine name_curve
+
+   !> A name somewhere along a curve.
+   subroutine write_label(file, text, px, py, colour, labels, error)
+      type(out_file), intent(in) :: file
+      character(*), intent(in) :: text, colour
+      real(dp), intent(in) :: px(:), py(:)
+      type(label_list), intent(inout) :: labels
+      type(poinsot_error), intent(inout) :: error
+      real(dp) :: to_x, to_y
+      call place_along(labels, px, py, len(text), to_x, to_y)
+      call put(file, "set label '" // text // "' at " // graph_place(to_x, to_y) // " tc rgb '" // &
+         colour // &
+               "' font ',10' front", error)
+   end subroutine write_label
 
    subroutine put_label(file, study, what, candidate, at, x, y, colour, bold, labels, error)
       type(out_file), intent(in) :: file
@@ -255,16 +357,15 @@ contains
       type(label_list), intent(inout) :: labels
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: text
-      character(40) :: place
       real(dp) :: to_x, to_y
       text = label_of(study%candidates(candidate))
       associate (p => study%points(at))
          call place_label(labels, fraction_of(x, max(error_of(p, what, middle), least_shown)), &
                           fraction_of(y, p%ns/p%h), len(text) + merge(2, 0, bold), to_x, to_y)
       end associate
-      write (place, "('graph ', f7.4, ', graph ', f7.4)") to_x, to_y
       if (bold) text = "{/:Bold " // text // "}"
-      call put(file, "set label '" // text // "' at " // trim(place) // " tc rgb '" // colour // &
+      call put(file, "set label '" // text // "' at " // graph_place(to_x, to_y) // " tc rgb '" // &
+         colour // &
                "' font ',10' front", error)
    end subroutine put_label
 
@@ -360,37 +461,33 @@ contains
       type(label_list), intent(inout) :: labels
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: text
-      character(40) :: place
       character(8) :: number
-      real(dp) :: to_x, to_y, slope
+      real(dp), allocatable :: px(:), py(:)
+      real(dp) :: slope
       integer :: i, at, before
       at = 0
       before = 0
+      allocate (px(0), py(0))
       do i = 1, size(study%points)
          associate (p => study%points(i))
             if (p%candidate /= candidate .or. .not. p%good) cycle
-            if (at == 0) at = i
+            px = [px, fraction_of(x, p%h)]
+            py = [py, fraction_of(y, max(p%angle(middle), least_shown))]
             if (p%angle(middle) > 0.03_dp .or. p%angle(middle) < 3e-13_dp) cycle
             before = at
             at = i
          end associate
       end do
-      if (at == 0) return
+      if (size(px) == 0) return
       text = label_of(study%candidates(candidate))
       if (index(text, "exact + ") == 1) text = text(9:)
-      if (before > 0 .and. before /= at .and. study%candidates(candidate)%order > 0) then
+      if (before > 0 .and. study%candidates(candidate)%order > 0) then
          slope = log(study%points(at)%angle(middle)/study%points(before)%angle(middle))/ &
                  log(study%points(at)%h/study%points(before)%h)
          write (number, "(f6.1)") slope
          text = text // "  " // trim(adjustl(number))
       end if
-      call place_label(labels, fraction_of(x, study%points(at)%h), &
-                       fraction_of(y, max(study%points(at)%angle(middle), least_shown)), &
-                          len(text), to_x, to_y)
-      write (place, "('graph ', f7.4, ', graph ', f7.4)") to_x, to_y
-      call put(file, "set label '" // text // "' at " // trim(place) // " tc rgb '" // &
-         strong_colour(k) // &
-               "' font ',10' front", error)
+      call write_label(file, text, px, py, strong_colour(k), labels, error)
    end subroutine name_slope
 
    !> Error of the energy against time.
@@ -404,7 +501,6 @@ contains
       type(axis) :: x, y
       character(:), allocatable :: plot
       real(dp) :: to_x, to_y
-      character(40) :: place
       integer :: i, k, from
       if (raised(error) .or. size(study%drift) == 0) return
       call open_out(out // "/plot_" // name // ".gp", file, error)
@@ -446,9 +542,9 @@ contains
             call place_label(labels, fraction_of(x, r%t), fraction_of(y, max(r%median, &
                least_shown)), &
                              len(label_of(study%candidates(r%candidate))) + 12, to_x, to_y)
-            write (place, "('graph ', f7.4, ', graph ', f7.4)") to_x, to_y
-            call put(file, "set label '" // label_of(study%candidates(r%candidate)) // ", h = " // &
-                     three_digits(r%h) // "' at " // trim(place) // " tc rgb '" // &
+                  call put(file, "set label '" // label_of(study%candidates(r%candidate)) // &
+                     ", h = " // &
+                     three_digits(r%h) // "' at " // graph_place(to_x, to_y) // " tc rgb '" // &
                         strong_colour(k) // "' font ',10'", error)
          end associate
       end do

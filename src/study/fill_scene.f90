@@ -78,7 +78,7 @@ contains
          if (code /= 0) exit
          call insert_line(lines, size(lines), trim(buffer))
       end do
-      close (unit, iostat=code)
+      close (unit)
    end subroutine read_lines
 
    !> Set keys of the first group of a name. A value that is there is replaced where it stands; a
@@ -143,7 +143,7 @@ contains
          case ("/")
             ended = .true.
             return
-         case ("'", """")
+         case ("'", achar(34))
             close = index(text(i + 1:), text(i:i))
             if (close == 0) return
             i = i + close + 1

@@ -3,7 +3,7 @@ module poinsot_study_labels
    use poinsot_core_kinds, only: dp
    implicit none(type, external)
    private
-   public :: label_list, axis, place_label, take_point, fraction_of
+   public :: label_list, axis, place_label, place_along, take_point, fraction_of
 
    integer, parameter :: most = 400
    real(dp), parameter :: letter = 0.0112_dp, line_height = 0.030_dp
@@ -18,7 +18,7 @@ module poinsot_study_labels
       integer :: boxes = 0
       real(dp) :: box(4, most) = 0     !! left, right, bottom, top
       integer :: points = 0
-      real(dp) :: point(2, 20*most) = 0
+      real(dp) :: point(2, 40*most) = 0
       integer :: curve = 0             !! that the last point belongs to
    end type label_list
 
@@ -42,7 +42,7 @@ contains
       from = 0
       if (present(curve)) then
          if (curve == list%curve .and. list%points > 0) then
-            parts = 6
+            parts = 12
             from = list%point(:, list%points)
          end if
          list%curve = curve
@@ -54,13 +54,22 @@ contains
       end do
    end subroutine take_point
 
-   !> A place near (x, y) for a text, its left middle; the first of a ring of places that touches no
-   !> other label and the fewest points.
+   !> A place near (x, y) for a text, its left middle.
    pure subroutine place_label(list, x, y, length, at_x, at_y)
       type(label_list), intent(inout) :: list
       real(dp), intent(in) :: x, y            !! fractions of the picture
       integer, intent(in) :: length           !! letters
       real(dp), intent(out) :: at_x, at_y
+      call place_along(list, [x], [y], length, at_x, at_y)
+   end subroutine place_label
+
+   !> A place for the name of a curve, near one of its points: of all places around all of them the
+   !> one that touches no other label and the fewest curves.
+   pure subroutine place_along(list, x, y, length, at_x, at_y)
+      type(label_list), intent(inout) :: list
+      real(dp), intent(in) :: x(:), y(:)      !! fractions of the picture
+      integer, intent(in) :: length           !! letters
+      real(dp), intent(out) :: at_x, at_y     !! of the text's left middle
       real(dp), parameter :: ring(2, 16) = reshape([ &
          0.012_dp, -0.03_dp, 0.015_dp, 0.0_dp, 0.012_dp, 0.03_dp, -1.012_dp, 0.03_dp, -1.015_dp, &
             0.0_dp, &
@@ -70,27 +79,29 @@ contains
             0.1_dp, &
          -1.03_dp, -0.1_dp], [2, 16])
       real(dp) :: width, left, bottom, price, least
-      integer :: i, best
+      integer :: i, k
       width = letter*length
-      best = 1
       least = huge(least)
-      do i = 1, size(ring, 2)
-         left = x + ring(1, i)
-         if (ring(1, i) < -0.9_dp) left = x + (ring(1, i) + 1) - width
-         if (abs(ring(1, i) + 0.5_dp) < 0.01_dp) left = x - 0.5_dp*width
-         bottom = y + ring(2, i) - 0.5_dp*line_height
-         price = penalty(list, left, left + width, bottom, bottom + line_height) + 0.3_dp*i
-         if (price >= least) cycle
-         least = price
-         best = i
-         at_x = left
-         at_y = bottom + 0.5_dp*line_height
+      at_x = 0
+      at_y = 0
+      do k = 1, size(x)
+         do i = 1, size(ring, 2)
+            left = x(k) + ring(1, i)
+            if (ring(1, i) < -0.9_dp) left = x(k) + (ring(1, i) + 1) - width
+            if (abs(ring(1, i) + 0.5_dp) < 0.01_dp) left = x(k) - 0.5_dp*width
+            bottom = y(k) + ring(2, i) - 0.5_dp*line_height
+            price = penalty(list, left, left + width, bottom, bottom + line_height) + 0.5_dp*i
+            if (price >= least) cycle
+            least = price
+            at_x = left
+            at_y = bottom + 0.5_dp*line_height
+         end do
       end do
       if (list%boxes == most) return
       list%boxes = list%boxes + 1
       list%box(:, list%boxes) = [at_x, at_x + width, at_y - 0.5_dp*line_height, at_y + &
          0.5_dp*line_height]
-   end subroutine place_label
+   end subroutine place_along
 
    !> How bad a box is.
    pure real(dp) function penalty(list, left, right, bottom, top)
@@ -106,7 +117,7 @@ contains
       end do
       do i = 1, list%points
          if (list%point(1, i) > left .and. list%point(1, i) < right .and. &
-             list%point(2, i) > bottom .and. list%point(2, i) < top) penalty = penalty + 3
+             list%point(2, i) > bottom .and. list%point(2, i) < top) penalty = penalty + 1.2_dp
       end do
    end function penalty
 

@@ -5,7 +5,7 @@ module poinsot_study_members
    use poinsot_core_kinds, only: dp, i4, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_memory, poinsot_e_size
-   use poinsot_rotation_quaternion, only: quaternion_product, quaternion_exp, normalise, rotate
+   use poinsot_rotation_quaternion, only: quaternion_product, normalise, rotate
    use poinsot_rotation_random, only: random_uniform, random_direction, random_quaternion
    use poinsot_scene_settings, only: scene_settings, body_total
    use poinsot_scene_states, only: body_states, first_states
@@ -88,8 +88,8 @@ contains
       if (spread >= any_direction) then
          q = random_quaternion(seed + other, id)
       else
-         q = normalise(quaternion_product(q, quaternion_exp(0.5_dp*spread*u(1)* &
-                                                            random_direction(seed + other, id))))
+         q = normalise(quaternion_product(q, turn_about(random_direction(seed + other, id), &
+            spread*u(1))))
       end if
       if (.not. unit > 0) return
       y = y/unit
@@ -97,14 +97,20 @@ contains
       if (spread >= any_direction) then
          turned = size_before*random_direction(seed - other, id)
       else
-         turned = rotate(normalise(quaternion_exp(0.5_dp*spread*u(2)* &
-                                                  random_direction(seed - other, id))), y)
-         turned = turned*(1 + speed_share*min(spread, 1.0_dp)*(2*u(1) - 1))
+         turned = rotate(turn_about(random_direction(seed - other, id), spread*u(2)), y)
+         size_before = size_before*(1 + speed_share*min(spread, 1.0_dp)*(2*u(1) - 1))
       end if
       where (.not. moments > 0) turned = 0
       if (norm2(turned) > 0.1_dp*size_before) y = turned*(size_before/norm2(turned))
       y = unit*y
    end subroutine disturb
+
+   !> The turn by an angle about a unit vector.
+   pure function turn_about(axis, angle) result(q)
+      real(dp), intent(in) :: axis(3), angle
+      real(dp) :: q(4)
+      q = [cos(0.5_dp*angle), sin(0.5_dp*angle)*axis]
+   end function turn_about
 
    !> The same states again and again until there are n: an ensemble to be timed.
    subroutine repeat_members(members, n, many)

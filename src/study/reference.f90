@@ -151,31 +151,31 @@ contains
       if (best%splitting == no_splitting) other%method = "jacobi"
       if (best%splitting == no_splitting) return
       do i = 1, size(list)
-         if (rank(list(i)) > rank(best)) best = list(i)
+         if (standing(list(i)) > standing(best)) best = list(i)
       end do
       if (best%splitting == list(1)%splitting .and. size(list) > 1) other = list(2)
       do i = 1, size(list)
          if (list(i)%splitting == best%splitting) cycle
-         if (rank(list(i)) > rank(other)) other = list(i)
+         if (standing(list(i)) > standing(other)) other = list(i)
       end do
    end subroutine two_best
 
    !> How well a scheme serves as a reference; measured constants of mathematics, section 5.
-   pure integer function rank(one)
+   pure integer function standing(one)
       type(candidate), intent(in) :: one
       select case (one%splitting)
       case ("omelyan8")
-         rank = 5
+         standing = 5
       case ("srkn6")
-         rank = 4
+         standing = 4
       case ("omelyan6")
-         rank = 3
+         standing = 3
       case ("srkn4")
-         rank = 2
+         standing = 2
       case default
-         rank = 1
+         standing = 1
       end select
-   end function rank
+   end function standing
 
    !> One scheme with steps halved until the change stops shrinking.
    subroutine refine(scene, kind, one, members, t_end, checks, seconds, enough, state, steps, &

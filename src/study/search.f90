@@ -210,8 +210,9 @@ contains
       if (one%failed >= one%met .or. one%met - one%failed <= 1) return
       if (one%failed > 0 .and. high/low < close_enough) return
       ratio = sqrt(low/high)
-      if (one%order > 0 .and. one%error > 0) &
+      if (one%order > 0 .and. one%error > 0) then
          ratio = max(ratio, (one%error*task%margin/(0.97_dp*task%tol))**(1.0_dp/one%order))
+      end if
       multiple = nint(high*min(ratio, 0.97_dp), i8)
       multiple = max(one%failed + 1, min(one%met - 1, multiple))
    end subroutine guess_multiple
