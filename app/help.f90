@@ -71,22 +71,22 @@ contains
             "   --quiet                print errors only", &
             "", &
             "A scene with method = 'auto' does the same when it starts, for &scene tol, within 5", &
-            "seconds, and says in summary and restart what it chose; splitting = 'auto' keeps the", &
+         "seconds, and says in summary and restart what it chose; splitting = 'auto' keeps the", &
             "method; a step that is given is the longest allowed; a", &
             "restart never chooses again. Exit code 3: nothing meets the tolerance."])
       case ("properties")
          call put([character(100) :: &
             "poinsot properties [--out DIR]", &
             "", &
-            "Measures what every method keeps, a few seconds: its order, the quadratic and linear", &
-            "invariants, whether it is Poisson, symplectic, time-reversible and exact for symmetric", &
-            "bodies; and how far the library's kernel is from the map so judged. DIR/properties.csv", &
+         "Measures what every method keeps, a few seconds: its order, the quadratic and linear", &
+         "invariants, whether it is Poisson, symplectic, time-reversible and exact for symmetric", &
+         "bodies; and how far the library's kernel is from the map so judged. DIR/properties.csv", &
             "holds the numbers behind each yes and no."])
       case ("hard")
          call put([character(100) :: &
             "poinsot hard [--out DIR]", &
             "", &
-            "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI units,", &
+         "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI units,", &
             "...) through every method, a few seconds, and prints the worst errors in units of", &
             "conditioning, refusals, and a verdict on each method. DIR/hard.csv holds the rest."])
       case ("methods")

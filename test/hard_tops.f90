@@ -115,7 +115,8 @@ contains
    end subroutine test_fast
 
    !> I3^2 w3^2 = 4 I1 m g l: upright it stays, to the bit; tilted by 1e-8 it leaves slower than any
-   !> exponential; ten per cent faster it stays near, ten per cent slower it falls, as the series says.
+   !> exponential; ten per cent faster it stays near, ten per cent slower it falls, as the series
+   !> says.
    subroutine test_sleeping(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: pace(3) = [1.0_dp, 1.1_dp, 0.9_dp]
@@ -156,8 +157,8 @@ contains
       end do
    end subroutine test_sleeping
 
-   !> L_z = y3: the top swings exactly through the upright, where angles are singular and a quaternion
-   !> is not.
+   !> L_z = y3: the top swings exactly through the upright, where angles are singular and a
+   !> quaternion is not.
    subroutine test_upright(error)
       type(error_type), allocatable, intent(out) :: error
       type(taylor_report) :: report
@@ -185,8 +186,8 @@ contains
       end do
    end subroutine test_upright
 
-   !> A dipole librating in a field, step h omega0 from .5 to 4: below the limit of the scheme (2 for
-   !> strang) the energy stays bounded, above it the answer is finite all the same.
+   !> A dipole librating in a field, step h omega0 from .5 to 4: below the limit of the scheme (2
+   !> for strang) the energy stays bounded, above it the answer is finite all the same.
    subroutine test_limit(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: paces(5) = [0.5_dp, 1.0_dp, 1.9_dp, 2.1_dp, 4.0_dp]
@@ -227,7 +228,8 @@ contains
       integer :: i, k, m, status
       do i = 1, splitting_count()
          ! G is of the square of the torque
-         if (any(splitting_name(i) == [character(15) :: "chin4", "omelyan4", "omelyan6", "omelyan8", &
+         if (any(splitting_name(i) == [character(15) :: "chin4", "omelyan4", "omelyan6", &
+            "omelyan8", &
             "takahashi-imada"])) cycle
          do k = 1, 4
             do m = 1, 3

@@ -1,4 +1,5 @@
-!> Hard cases: every method converges, reports or is exact; never a NaN, never a silent wrong answer.
+!> Hard cases: every method converges, reports or is exact; never a NaN, never a silent wrong
+!> answer.
 module test_hard
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use testdrive, only: new_unittest, unittest_type, error_type, check
@@ -196,8 +197,8 @@ contains
    ! Units and steps
    ! ----------------------------------------------------------------------------------
 
-   !> Moments, momenta and times in units 1e-150 to 1e+150 times as large, and a molecule in SI units:
-   !> the same bits for powers of two, a few roundings of the input for powers of ten.
+   !> Moments, momenta and times in units 1e-150 to 1e+150 times as large, and a molecule in SI
+   !> units: the same bits for powers of two, a few roundings of the input for powers of ten.
    subroutine test_units(error)
       type(error_type), allocatable, intent(out) :: error
       integer, parameter :: two(2, 7) = reshape([-498, 0, 498, 0, -200, 300, 498, -200, -153, 40, &
@@ -340,7 +341,9 @@ contains
             q = body%q
             call turn_body(method_names(m), body%moments, h, 100, y, q, status(1))
             call turn_body(method_names(m), body%moments, -h, 100, y, q, status(2))
-            if (m <= 2 .and. any(status == poinsot_e_step)) cycle ! a thin body: see refuse_wide_turns
+            if (m <= 2 .and. any(status == poinsot_e_step)) then
+               cycle
+            end if ! a thin body: see refuse_wide_turns
             gap = momentum_distance(y, body%y) + attitude_distance(q, body%q)
             call check(error, all(status == poinsot_ok) .and. gap < 2e-13_dp, &
                trim(method_names(m))// &
@@ -350,8 +353,8 @@ contains
       end do
    end subroutine test_back
 
-   !> A thin body whose I3 - I2 is many times I1, and still a rounding of I3: it is taken as flat, by
-   !> all constants alike, so that the two exact methods tell the same motion.
+   !> A thin body whose I3 - I2 is many times I1, and still a rounding of I3: it is taken as flat,
+   !> by all constants alike, so that the two exact methods tell the same motion.
    subroutine test_too_wide(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: moments(3) = [1e-20_dp, 1.0_dp, 1.0_dp + 2.3e-16_dp]

@@ -20,7 +20,8 @@ module poinsot_free_split_rotations
 contains
 
    !> Increments of a step of the three-rotations splitting: order 2. POINSOT_E_STEP for h |omega| >
-   !> pi/2, and where a part turns by more. The error grows like the largest moment over the smallest.
+   !> pi/2, and where a part turns by more. The error grows like the largest moment over the
+   !> smallest.
    pure subroutine three_rotations_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                         !! not used
@@ -140,9 +141,9 @@ contains
       end do
    end subroutine turn_about
 
-   !> Set the turn to 0 and POINSOT_E_STEP where it exceeds a quarter turn. The parts of a splitting may
-   !> turn a thin body about its own axis by far more than it turns itself in the step: a part before
-   !> leaves momentum there, and the moment is small.
+   !> Set the turn to 0 and POINSOT_E_STEP where it exceeds a quarter turn. The parts of a splitting
+   !> may turn a thin body about its own axis by far more than it turns itself in the step: a part
+   !> before leaves momentum there, and the moment is small.
    pure subroutine refuse_wide_turns(half, status)
       real(dp), intent(inout) :: half(lanes)
       integer, intent(inout) :: status(lanes)

@@ -1,6 +1,6 @@
-!> Who else works on a run. The library knows no message passing: a program that has it extends this type (mpi/crew.f90);
-!> alone, all of it does nothing. Every rank holds the states of all bodies, steps a slice of its own, and has the others'
-!> before an output.
+!> Who else works on a run. The library knows no message passing: a program that has it extends this
+!> type (mpi/crew.f90); alone, all of it does nothing. Every rank holds the states of all bodies,
+!> steps a slice of its own, and has the others' before an output.
 module poinsot_scene_crew
    use poinsot_core_kinds, only: i8, lanes
    use poinsot_scene_states, only: body_states

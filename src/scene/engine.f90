@@ -151,7 +151,8 @@ contains
       integer :: code
       code = crew%worst(error%code)
       if (code /= poinsot_ok) then
-         if (.not. raised(error)) call raise(error, code, "another rank failed: " // status_text(code))
+         if (.not. raised(error)) call raise(error, code, "another rank failed: " // &
+            status_text(code))
          return
       end if
       status = crew%worst(status)

@@ -19,8 +19,10 @@ contains
             "the run goes from t = 0 (or from a restart) to here"), &
          number_key("h", 1, 1, "0", "time", &
             "step; may be left out for free bodies and an exact method"), &
-         text_key("method", "exact", "", "how a body turns: poinsot methods; auto = chosen at start"), &
-         text_key("splitting", "srkn6", "", "how kicks and turns alternate: poinsot splittings; or auto"), &
+         text_key("method", "exact", "", &
+            "how a body turns: poinsot methods; auto = chosen at start"), &
+         text_key("splitting", "srkn6", "", &
+            "how kicks and turns alternate: poinsot splittings; or auto"), &
          number_key("tol", 1, 1, "1e-8", "relative", &
             "tolerance at t_end, of 'auto' and of poinsot choose"), &
          number_key("seed", 1, 1, "1", "integer", "seed of all random numbers"), &

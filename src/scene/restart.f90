@@ -156,6 +156,9 @@ contains
       call next(unit, path, "h", line, word, error)
       call one_real(path, line, word, h, error)
       close (unit, iostat=code)
+      if (code /= 0 .and. .not. raised(error)) then
+         call raise(error, poinsot_e_io, path // ": cannot be closed")
+      end if
    end subroutine read_choice
 
    !> Everything before the bodies.

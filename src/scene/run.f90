@@ -145,7 +145,8 @@ contains
       report%method = scene%method
       report%splitting = scene%splitting
       if (is_auto(scene)) then
-         call raise(error, poinsot_e_method, scene%file // ": 'auto' is to be settled before the " // &
+         call raise(error, poinsot_e_method, scene%file // &
+            ": 'auto' is to be settled before the " // &
                     "run (poinsot_study_auto)")
          return
       end if

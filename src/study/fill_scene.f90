@@ -134,7 +134,7 @@ contains
       type(text_line), intent(in) :: values(:)
       logical, intent(inout) :: done(:), ended
       character(*), parameter :: letters = "abcdefghijklmnopqrstuvwxyz_0123456789"
-      integer :: i, k, last, close
+      integer :: i, k, last, ending
       i = from
       do while (i <= len(text))
          select case (text(i:i))
@@ -144,9 +144,9 @@ contains
             ended = .true.
             return
          case ("'", achar(34))
-            close = index(text(i + 1:), text(i:i))
-            if (close == 0) return
-            i = i + close + 1
+            ending = index(text(i + 1:), text(i:i))
+            if (ending == 0) return
+            i = i + ending + 1
             cycle
          case default
             if (verify(lower(text(i:i)), letters) > 0) then
