@@ -71,9 +71,9 @@ contains
             "   --quiet                print errors only", &
             "", &
             "A scene with method = 'auto' does the same when it starts, for &scene tol, within 5", &
-            "seconds, and says in summary and restart what it chose; splitting = 'auto' keeps the", &
-            "method; a step that is given is the longest allowed; a", &
-            "restart never chooses again. Exit code 3: nothing meets the tolerance."])
+            "seconds, and says in summary and restart what it chose; splitting = 'auto' keeps", &
+            "the method; a step that is given is the longest allowed. A restart never chooses", &
+            "again. Exit code 3: nothing meets the tolerance."])
       case ("properties")
          call put([character(100) :: &
             "poinsot properties [--out DIR]", &

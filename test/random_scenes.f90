@@ -98,7 +98,8 @@ contains
          text = "&gyrostat rotor = " // vector(k, 21, 0.4_dp) // " /" // break
       end if
       if (u < 0.88_dp) return
-      text = text // "&field dipole = " // vector(k, 28, 0.5_dp) // ", strength = 1, 0, 0 /" // break
+      text = text // "&field dipole = " // vector(k, 28, 0.5_dp) // ", strength = 1, 0, 0 /" // &
+         break
    end function effects
 
    !> Outputs, for half of the scenes.

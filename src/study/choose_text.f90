@@ -46,7 +46,7 @@ contains
          call add("runner-up   none: no other meets the tolerance")
       end if
       call add("reference   " // answer%reference)
-      if (answer%noisy) call add("noise       was off in the trials: errors are of friction and turns")
+      if (answer%noisy) call add("noise       was off in the trials")
       if (answer%t_measured < scene%t_end) then
          call add("measured    to t = " // text_of(answer%t_measured) // &
             "; errors are taken to grow in proportion to time")

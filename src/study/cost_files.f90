@@ -54,24 +54,24 @@ contains
       associate (one => study%candidates(p%candidate))
          line = trim(one%method) // "," // trim(one%splitting) // "," // text_of(one%order) // &
             "," // &
-                text_of(one%turns) // "," // text_of(p%steps) // "," // short(p%h)
+                text_of(one%turns) // "," // text_of(p%steps) // "," // brief(p%h)
       end associate
       numbers = [p%angle, p%momentum, p%energy, p%slope, p%ns, p%ns_least, p%ns_spread, p%single, &
                  p%single_spread, real(p%repeats, dp), p%ns/p%h, p%single/p%h]
       do i = 1, size(numbers)
-         line = line // "," // short(numbers(i))
+         line = line // "," // brief(numbers(i))
       end do
       line = line // "," // flag(p%good) // "," // flag(p%front(of_angle)) // "," // &
              flag(p%front(of_momentum))
    end function line_of
 
-   pure function short(x) result(text)
+   pure function brief(x) result(text)
       real(dp), intent(in) :: x
       character(:), allocatable :: text
       character(16) :: buffer
       write (buffer, "(es11.4e3)") x
       text = trim(adjustl(buffer))
-   end function short
+   end function brief
 
    pure character function flag(is)
       logical, intent(in) :: is
@@ -143,9 +143,9 @@ contains
       call put(file, "method,splitting,h,t,energy_median,energy_worst", error)
       do i = 1, size(study%drift)
          associate (r => study%drift(i), one => study%candidates(study%drift(i)%candidate))
-            call put(file, trim(one%method) // "," // trim(one%splitting) // "," // short(r%h) // &
+            call put(file, trim(one%method) // "," // trim(one%splitting) // "," // brief(r%h) // &
                "," // &
-                     short(r%t) // "," // short(r%median) // "," // short(r%worst), error)
+                     brief(r%t) // "," // brief(r%median) // "," // brief(r%worst), error)
          end associate
       end do
       call finish_out(file, error)

@@ -9,6 +9,9 @@ module poinsot_study_fill_scene
    private
    public :: fill_scene, set_keys, text_line, insert_line
 
+   character, parameter :: bang = achar(33)
+   character(2), parameter :: quotes = achar(39) // achar(34)
+
    !> A line of any length.
    type :: text_line
       character(:), allocatable :: text
@@ -123,7 +126,7 @@ contains
       if (lower(text(start + 1:start + len(group))) /= group) return
       at = start + len(group) + 1
       if (at > len(text)) return
-      if (scan(text(at:at), " !/" // achar(9)) == 0) at = 0
+      if (scan(text(at:at), " /" // bang // achar(9)) == 0) at = 0
    end function group_at
 
    !> Replace values in one line; `ended` at the group's slash.
@@ -134,26 +137,24 @@ contains
       type(text_line), intent(in) :: values(:)
       logical, intent(inout) :: done(:), ended
       character(*), parameter :: letters = "abcdefghijklmnopqrstuvwxyz_0123456789"
-      integer :: i, k, last, close
+      integer :: i, k, last
       i = from
       do while (i <= len(text))
-         select case (text(i:i))
-         case ("!")
-            return
-         case ("/")
+         if (text(i:i) == bang) return
+         if (text(i:i) == "/") then
             ended = .true.
             return
-         case ("'", achar(34))
-            close = index(text(i + 1:), text(i:i))
-            if (close == 0) return
-            i = i + close + 1
+         end if
+         if (scan(text(i:i), quotes) > 0) then
+            last = index(text(i + 1:), text(i:i))
+            if (last == 0) return
+            i = i + last + 1
             cycle
-         case default
-            if (verify(lower(text(i:i)), letters) > 0) then
-               i = i + 1
-               cycle
-            end if
-         end select
+         end if
+         if (verify(lower(text(i:i)), letters) > 0) then
+            i = i + 1
+            cycle
+         end if
          last = i + verify(lower(text(i:)) // " ", letters) - 2
          k = findloc(keys, lower(text(i:last)), 1)
          if (k > 0 .and. index(adjustl(text(last + 1:)), "=") == 1) then
@@ -179,10 +180,10 @@ contains
       end do
       last = at - 1
       if (at <= len(text)) then
-         if (scan(text(at:at), "'""") > 0) then
+         if (scan(text(at:at), quotes) > 0) then
             last = at + index(text(at + 1:), text(at:at))
          else
-            last = at + scan(text(at:) // " ", " ,/!" // achar(9)) - 2
+            last = at + scan(text(at:) // " ", " ,/" // bang // achar(9)) - 2
          end if
       end if
       text = text(:at - 1) // value // text(last + 1:)
@@ -196,7 +197,7 @@ contains
       character(*), intent(in) :: entry
       character(:), allocatable :: rest
       rest = adjustl(lines(first)%text(min(at, len(lines(first)%text) + 1):))
-      if (len(rest) == 0 .or. index(rest, "!") == 1) then
+      if (len(rest) == 0 .or. index(rest, bang) == 1) then
          call insert_line(lines, first, "   " // entry)
       else
          lines(first)%text = lines(first)%text(:at - 1) // " " // entry // ", " // rest
