@@ -33,7 +33,7 @@ module test_choose
    private
    public :: collect_choose, collect_choose_deep, one_scene
 
-   integer, parameter :: few_scenes = 4, many_scenes = 100
+   integer, parameter :: few_scenes = 6, many_scenes = 100
    real(dp), parameter :: exhaustive_slack = 8 !! times as dear as another, seen in passing
 
 contains
@@ -216,15 +216,19 @@ contains
                  abs(scene%h - 0.125_dp) <= 0, "a restart never chooses again")
    end subroutine auto_settled
 
+   !> The promise is for 95 of 100 scenes, and which method a scene gets depends on the clock: one
+   !> miss in six is let pass (two would come by chance in 3 of 100 runs if the promise held barely).
    subroutine small_promise(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: ratio
-      integer :: k
+      integer :: k, missed
       logical :: kept, told
       character(:), allocatable :: line
+      missed = 0
       do k = 1, few_scenes
-         call one_scene(1000 + k, 8.0_dp, .false., kept, told, ratio, line)
-         call check(error, kept .or. told, line)
+         call one_scene(1000 + k, 30.0_dp, .false., kept, told, ratio, line)
+         if (.not. (kept .or. told)) missed = missed + 1
+         call check(error, missed <= 1, line)
          if (allocated(error)) return
       end do
    end subroutine small_promise
@@ -289,7 +293,6 @@ contains
       request%budget = budget
       request%methods = any_name
       request%splittings = any_name
-      if (.not. exhaustive) request%methods = [character(24) :: "exact", "dmv8"]
       if (.not. raised(failure)) call choose_method(scene, request, watch, answer, failure)
       if (raised(failure)) then
          told = failure%code == poinsot_e_convergence
