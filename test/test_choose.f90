@@ -217,7 +217,7 @@ contains
    end subroutine auto_settled
 
    !> The promise is for 95 of 100 scenes, and which method a scene gets depends on the clock: one
-   !> miss in six is let pass (two would come by chance in 3 of 100 runs if the promise held barely).
+   !> miss in six is let pass (two come by chance in 3 of 100 runs if the promise barely holds).
    subroutine small_promise(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: ratio
