@@ -79,15 +79,15 @@ contains
          call put([character(100) :: &
             "poinsot reproduce hairer-vilmart | fasso | celledoni [--out DIR] [--budget TIME]", &
             "", &
-            "   hairer-vilmart   error against work of two free bodies (J. Phys. A 39, 13225, 2006,", &
-            "                    figure 1), order 2 to 10, and the exact step", &
+            "   hairer-vilmart   error against work of two free bodies, order 2 to 10, and the", &
+            "                    exact step (J. Phys. A 39, 13225, 2006, figure 1)", &
             "   fasso            error over the triangle of all bodies for each method: how much", &
             "                    methods of one order differ (J. Comput. Phys. 189, 527, 2003)", &
-            "   celledoni        when the exact rotor pays inside a splitting (SIAM J. Sci. Comput.", &
-            "                    30, 2084, 2008); takes --budget, default 120s", &
+            "   celledoni        when the exact rotor pays inside a splitting (SIAM J. Sci.", &
+            "                    Comput. 30, 2084, 2008); takes --budget, default 120s", &
             "", &
-            "Figure 1 of Vilmart's review is `poinsot run free-body`. Numbers as CSV, pictures by", &
-            "gnuplot, in DIR (default poinsot-out/FIGURE). --no-pictures, --quiet as in cost."])
+            "Figure 1 of Vilmart's review is `poinsot run free-body`. Numbers as CSV, pictures", &
+            "by gnuplot, in DIR (default poinsot-out/FIGURE). --no-pictures, --quiet as in cost."])
       case ("properties")
          call put([character(100) :: &
             "poinsot properties [--out DIR]", &

@@ -17,8 +17,10 @@ module app_reproduce
    private
    public :: command_reproduce
 
-   character(13), parameter :: known(4) = [character(13) :: "--out", "--budget", "--no-pictures", "--quiet"]
-   character(16), parameter :: figures(3) = [character(16) :: "hairer-vilmart", "fasso", "celledoni"]
+   character(13), parameter :: known(4) = [character(13) :: "--out", "--budget", "--no-pictures", &
+      "--quiet"]
+   character(16), parameter :: figures(3) = [character(16) :: "hairer-vilmart", "fasso", &
+      "celledoni"]
 
 contains
 
@@ -33,11 +35,13 @@ contains
       real(dp) :: budget
       logical :: good
       code = exit_usage
-      call read_study_options("reproduce", words, known, options, good, "which figure? There are " // &
+      call read_study_options("reproduce", words, known, options, good, &
+         "which figure? There are " // &
                               "hairer-vilmart, fasso and celledoni")
       if (.not. good) return
       if (.not. any(figures == options%scene)) then
-         call complain("reproduce: unknown figure '" // options%scene // "'; the nearest known one is '" // &
+         call complain("reproduce: unknown figure '" // options%scene // &
+            "'; the nearest known one is '" // &
                        nearest_name(options%scene(:min(len(options%scene), 60)), figures) // "'")
          return
       end if

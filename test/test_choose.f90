@@ -217,7 +217,7 @@ contains
    end subroutine auto_settled
 
    !> The promise is for 95 of 100 scenes, and which method a scene gets depends on the clock: one
-   !> miss in six is let pass (two would come by chance in 3 of 100 runs if the promise held barely).
+   !> miss in six is let pass (two would come by chance in 3 of 100 runs if it held barely).
    subroutine small_promise(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: ratio
@@ -234,10 +234,8 @@ contains
    end subroutine small_promise
 
    !> The two figures of the promise: it is kept in 95 of 100 scenes, and the choice takes at most
-   !> 1.5
-   !> times as long as the best of an exhaustive search. A scene where nothing meets the tolerance,
-   !> and
-   !> which says so, is replaced by the next.
+   !> 1.5 times as long as the best of an exhaustive search. A scene where nothing meets the
+   !> tolerance, and which says so, is replaced by the next.
    subroutine large_promise(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: ratio, ratios(many_scenes)

@@ -1,4 +1,5 @@
-!> One block of free bodies of one kind, without plan or scene: for comparisons where moments need not
+!> One block of free bodies of one kind, without plan or scene: for comparisons where moments need
+!> not
 !> be those of a body.
 module poinsot_study_free_trial
    use poinsot_core_kinds, only: dp, i8, lanes
@@ -15,7 +16,7 @@ contains
 
    !> Turn up to `lanes` bodies by `steps` steps of h; unused lanes must be at rest.
    subroutine run_block(moments, method, h, steps, y, q, good, seconds, error)
-      real(dp), intent(in) :: moments(3)              !! positive, the largest may exceed the other two
+      real(dp), intent(in) :: moments(3) !! positive, the largest may exceed the other two
       character(*), intent(in) :: method
       real(dp), intent(in) :: h
       integer(i8), intent(in) :: steps

@@ -1,6 +1,9 @@
-!> E. Celledoni, F. Fasso, N. Safstrom, A. Zanna, The exact computation of the free rigid body motion
-!> and its use in splitting methods, SIAM J. Sci. Comput. 30 (2008) 2084: when does the exact rotor pay
-!> inside a splitting? A top with gravity weak to strong against its spin; for each rotor the time to
+!> E. Celledoni, F. Fasso, N. Safstrom, A. Zanna, The exact computation of the free rigid body
+!> motion
+!> and its use in splitting methods, SIAM J. Sci. Comput. 30 (2008) 2084: when does the exact rotor
+!> pay
+!> inside a splitting? A top with gravity weak to strong against its spin; for each rotor the time
+!> to
 !> one accuracy, each with the splitting and step that serve it best.
 module poinsot_study_repeat_celledoni
    use poinsot_core_kinds, only: dp
@@ -21,7 +24,8 @@ module poinsot_study_repeat_celledoni
    private
    public :: repeat_celledoni
 
-   character(20), parameter :: rotors(7) = [character(20) :: "exact", "dmv2", "dmv4", "dmv6", "dmv8", &
+   character(20), parameter :: rotors(7) = [character(20) :: "exact", "dmv2", "dmv4", "dmv6", &
+      "dmv8", &
                                             "three-rotations", "symmetric-rotation"]
    real(dp), parameter :: weights(7) = [1e-4_dp, 1e-3_dp, 1e-2_dp, 3e-2_dp, 0.1_dp, 0.3_dp, 1.0_dp]
    real(dp), parameter :: lifts(7) = [1.0_dp, 0.87_dp, 1.15_dp, 1.0_dp, 1.0_dp, 1.15_dp, 0.87_dp]
@@ -29,7 +33,8 @@ module poinsot_study_repeat_celledoni
 
 contains
 
-   !> Measure, write celledoni.csv and its picture into a folder that is there; it takes about `budget`
+   !> Measure, write celledoni.csv and its picture into a folder that is there; it takes about
+   !> `budget`
    !> seconds. Error: POINSOT_E_IO.
    subroutine repeat_celledoni(out, budget, watch, error)
       character(*), intent(in) :: out
@@ -72,8 +77,10 @@ contains
       type(scene_source) :: source
       character(*), parameter :: break = new_line("a")
       call scan_source("&scene t_end = 40, h = 0.1 /" // break // &
-                       "&bodies moments = 0.5, 0.7, 1.0, count = 96, random = 'thermal', temperature = 0.5 /" // &
-                       break // "&gravity centre = 0, 0, 1, weight = " // text_of(weight) // " /" // break, &
+                       "&bodies moments = 0.5, 0.7, 1.0, count = 96, random = 'thermal', " // &
+                       "temperature = 0.5 /" // &
+                       break // "&gravity centre = 0, 0, 1, weight = " // text_of(weight) // &
+                          " /" // break, &
                        "top", source, error)
       if (.not. raised(error)) call build_scene(source, scene, error)
    end subroutine make_top
@@ -86,7 +93,8 @@ contains
       type(poinsot_error), intent(inout) :: error
       character(160) :: line
       associate (b => answer%best)
-         write (line, "(es10.3, ',', a, ',', a, 4(',', es11.4e3))") 0.75_dp/weight, trim(b%way%method), &
+         write (line, "(es10.3, ',', a, ',', a, 4(',', es11.4e3))") 0.75_dp/weight, &
+            trim(b%way%method), &
             trim(b%way%splitting), b%h, b%error, b%ns, b%ns/b%h
       end associate
       call put(file, trim(line), error)
@@ -109,14 +117,19 @@ contains
          "set ytics (0.7, 1, 2, 5, 10, 20, 50, 100, 200, 500)", &
          "set xlabel 'kinetic energy over that of the torque'", &
          "set ylabel 'time with another rotor over time with exact, error 1e-6'", &
-         "set label 'when the exact rotor pays inside a splitting' at graph 0, graph 1.06 font ',14'", &
-         "set label 'slow body, strong torque' at graph 0.01, graph 0.03 tc rgb '#707070' font ',10'", &
-         "set label 'fast spin, weak torque' at graph 0.99, graph 0.03 right tc rgb '#707070' font ',10'", &
+         "set label 'when the exact rotor pays inside a splitting' at graph 0, graph 1.06 " // &
+         "font ',14'", &
+         "set label 'slow body, strong torque' at graph 0.01, graph 0.03 " // &
+         "tc rgb '#707070' font ',10'", &
+         "set label 'fast spin, weak torque' at graph 0.99, graph 0.03 right " // &
+         "tc rgb '#707070' font ',10'", &
          "array base[20]; array place[20]; n = 0", &
          "do for [k=1:20] { place[k] = 0.0; base[k] = NaN }", &
-         "stats file skip 1 using (stringcolumn(2) eq 'exact' ? (n = n + 1, place[n] = $1, base[n] = $7, 1) " // &
+         "stats file skip 1 using (stringcolumn(2) eq 'exact' ? " // &
+         "(n = n + 1, place[n] = $1, base[n] = $7, 1) " // &
          ": NaN) nooutput", &
-         "exact(r) = (found = NaN, sum [k=1:20] (abs(place[k]/r - 1) < 1e-3 ? (found = base[k], 0) : 0), found)"], error)
+         "exact(r) = (found = NaN, sum [k=1:20] (abs(place[k]/r - 1) < 1e-3 ? " // &
+         "(found = base[k], 0) : 0), found)"], error)
       do m = 2, size(rotors)
          rows = "stringcolumn(2) eq '" // trim(rotors(m)) // "'"
          call put(file, "best = 0; stats file skip 1 using (" // rows // " && $1 > best ? " // &
@@ -128,7 +141,8 @@ contains
       line = "plot 1 with lines lw 3 lc rgb '#c8c8c8', "
       do m = 2, size(rotors)
          call put(file, line // "file skip 1 using (stringcolumn(2) eq '" // trim(rotors(m)) // &
-                  "' ? $1 : NaN):($7/exact($1)) with linespoints pt " // text_of(strong_point(m)) // &
+                  "' ? $1 : NaN):($7/exact($1)) with linespoints pt " // &
+                     text_of(strong_point(m)) // &
                   " ps 0.8 lw 1.6 lc rgb '" // strong_colour(m) // "', \", error)
          line = "   "
       end do

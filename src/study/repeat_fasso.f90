@@ -16,7 +16,8 @@ module poinsot_study_repeat_fasso
    private
    public :: repeat_fasso
 
-   character(20), parameter :: methods(6) = [character(20) :: "three-rotations", "symmetric-rotation", "midpoint", &
+   character(20), parameter :: methods(6) = [character(20) :: "three-rotations", &
+      "symmetric-rotation", "midpoint", &
                                              "dmv2", "dmv4", "dmv6"]
    integer, parameter :: side = 48          !! cells along an edge of the triangle
    real(dp), parameter :: turns = 10        !! angle through which bodies turn, radians
@@ -52,13 +53,15 @@ contains
       end do
    end function columns
 
-   !> The body at the middle of a small triangle: parts a, b, c of its mass along the axes, so that its
+   !> The body at the middle of a small triangle: parts a, b, c of its mass along the axes, so that
+   !> its
    !> moments are b + c, c + a, a + b; all bodies are such. |y| is such that |omega| is about 1.
    subroutine one_body(file, i, j, up, error)
       type(out_file), intent(in) :: file
       integer, intent(in) :: i, j, up
       type(poinsot_error), intent(inout) :: error
-      real(dp) :: part(3), moments(3), y0(lanes, 3), y(lanes, 3), q(lanes, 4), ye(lanes, 3), qe(lanes, 4)
+      real(dp) :: part(3), moments(3), y0(lanes, 3), y(lanes, 3), q(lanes, 4), ye(lanes, 3), &
+         qe(lanes, 4)
       real(dp) :: angle(lanes), speed, h, seconds
       character(300) :: line
       integer :: m, l
@@ -81,7 +84,8 @@ contains
       qe = 0
       qe(:, 1) = 1
       call run_block(moments, "exact", h*real(steps, dp), 1_i8, ye, qe, good, seconds, error)
-      write (line, "(es13.6, 4(',', es13.6))") part(2) + 0.5_dp*part(3), sqrt(0.75_dp)*part(3), moments
+      write (line, "(es13.6, 4(',', es13.6))") part(2) + 0.5_dp*part(3), sqrt(0.75_dp)*part(3), &
+         moments
       do m = 1, size(methods)
          y = y0
          q = 0
@@ -89,7 +93,8 @@ contains
          call run_block(moments, trim(methods(m)), h, steps, y, q, good, seconds, error)
          if (raised(error)) return
          do l = 1, lanes
-            angle(l) = attitude_error(real(q(l, :), qp), real(qe(l, :), qp)/norm2(real(qe(l, :), qp)))
+            angle(l) = attitude_error(real(q(l, :), qp), real(qe(l, :), qp)/norm2(real(qe(l, :), &
+               qp)))
          end do
          if (.not. good) angle = 1
          write (line(len_trim(line) + 1:), "(',', es11.4e3)") max(median(angle), 1e-17_dp)
@@ -111,15 +116,18 @@ contains
          "set lmargin 0; set rmargin 0; set tmargin 0; set bmargin 0", &
          "set xrange [-0.06:1.06]; set yrange [-0.12:1.02]", "set cbrange [-9:-1]", &
          "# one hue from pale to dark: grey paper and all eyes see the same order", &
-         "set palette defined (0 '#f7f4e8', 1 '#d9d3a4', 2 '#9fbf8f', 3 '#5aa08c', 4 '#2f7d86', 5 '#245778', " // &
+         "set palette defined (0 '#f7f4e8', 1 '#d9d3a4', 2 '#9fbf8f', 3 '#5aa08c', " // &
+         "4 '#2f7d86', 5 '#245778', " // &
          "6 '#1f3358', 7 '#140f26')", &
          "unset colorbox; set format cb '10^{%.0f}'; set cbtics -9,2,-1", &
-         "set object 1 polygon from 0,0 to 1,0 to 0.5,0.8660254 to 0,0 fs empty border rgb '#7d7d7d' lw 1"], error)
+         "set object 1 polygon from 0,0 to 1,0 to 0.5,0.8660254 to 0,0 fs empty " // &
+         "border rgb '#7d7d7d' lw 1"], error)
       do m = 1, size(methods)
          call put(file, "set origin " // text_of(0.0_dp + 0.285_dp*mod(m - 1, 3)) // "," // &
                   text_of(merge(0.5_dp, 0.0_dp, m <= 3)) // "; set size 0.285,0.5", error)
          call put(file, "unset label", error)
-         call put(file, "set label '" // trim(methods(m)) // "' at 0.5,0.96 center font ',13'", error)
+         call put(file, "set label '" // trim(methods(m)) // "' at 0.5,0.96 center font ',13'", &
+            error)
          call put_lines(file, [character(130) :: &
             "set label 'all mass on axis 1' at -0.02,-0.06 left font ',8' tc rgb '#505050'", &
             "set label 'on axis 2' at 1.02,-0.06 right font ',8' tc rgb '#505050'", &

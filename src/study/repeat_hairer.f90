@@ -1,5 +1,7 @@
-!> E. Hairer, G. Vilmart, Preprocessed discrete Moser-Veselov algorithm for the full dynamics of a rigid
-!> body, J. Phys. A 39 (2006) 13225, figure 1, once more: two bodies, error against work for methods of
+!> E. Hairer, G. Vilmart, Preprocessed discrete Moser-Veselov algorithm for the full dynamics of a
+!> rigid
+!> body, J. Phys. A 39 (2006) 13225, figure 1, once more: two bodies, error against work for methods
+!> of
 !> order 2 to 10, and the exact step that was not there then.
 module poinsot_study_repeat_hairer
    use poinsot_core_kinds, only: dp, i8, lanes, qp
@@ -16,9 +18,11 @@ module poinsot_study_repeat_hairer
    private
    public :: repeat_hairer
 
-   real(dp), parameter :: bodies(3, 2) = reshape([0.6_dp, 0.8_dp, 1.0_dp, 0.345_dp, 0.653_dp, 1.0_dp], [3, 2])
+   real(dp), parameter :: bodies(3, 2) = reshape([0.6_dp, 0.8_dp, 1.0_dp, 0.345_dp, 0.653_dp, &
+      1.0_dp], [3, 2])
    real(dp), parameter :: y0(3) = [1.8_dp, 0.4_dp, -0.9_dp], t_end = 10
-   character(16), parameter :: methods(8) = [character(16) :: "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", &
+   character(16), parameter :: methods(8) = [character(16) :: "dmv2", "dmv4", "dmv6", "dmv8", &
+      "dmv10", &
                                              "midpoint", "three-rotations", "exact"]
    integer, parameter :: repeats = 5
 
@@ -62,12 +66,14 @@ contains
          end do
          q = 0
          q(:, 1) = 1
-         call run_block(bodies(:, body), method, t_end/real(steps, dp), steps, y, q, good, seconds(r), error)
+         call run_block(bodies(:, body), method, t_end/real(steps, dp), steps, y, q, good, &
+            seconds(r), error)
          if (raised(error) .or. .not. good) return
       end do
       call turn_freely(bodies(:, body), y0, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], t_end, ye, qe)
       unit = median(seconds)/lanes
-      write (line, "(i0, ',', a, ',', i0, 5(',', es11.4e3))") body, method, steps, t_end/real(steps, dp), &
+      write (line, "(i0, ',', a, ',', i0, 5(',', es11.4e3))") body, method, steps, &
+         t_end/real(steps, dp), &
          real(norm2(real(y(1, :), qp) - ye)/norm2(ye), dp), attitude_error(real(q(1, :), qp), qe), &
          1e9_dp*unit/real(steps, dp), 1e6_dp*unit
       call put(file, trim(line), error)
@@ -93,23 +99,31 @@ contains
          if (body == 1) then
             call put(file, "set lmargin at screen 0.085; set rmargin at screen 0.48", error)
             call put(file, "set ylabel 'error in attitude, radians'", error)
-            call put(file, "set label 'moments 0.6, 0.8, 1' at graph 0, graph 1.05 font ',13'", error)
+            call put(file, "set label 'moments 0.6, 0.8, 1' at graph 0, graph 1.05 font ',13'", &
+               error)
          else
-            call put(file, "set lmargin at screen 0.575; set rmargin at screen 0.97; unset ylabel", error)
-            call put(file, "set label 'moments 0.345, 0.653, 1' at graph 0, graph 1.05 font ',13'", error)
+            call put(file, &
+               "set lmargin at screen 0.575; set rmargin at screen 0.97; unset ylabel", error)
+            call put(file, &
+               "set label 'moments 0.345, 0.653, 1' at graph 0, graph 1.05 font ',13'", error)
          end if
          do m = 1, size(methods)
-            call put(file, "n = 0; stats file skip 1 using (stringcolumn(1) eq '" // text_of(body) // &
-                     "' && stringcolumn(2) eq '" // trim(methods(m)) // "' ? (n = n + 1, n == 1 ? (first_x = $8, " // &
+            call put(file, "n = 0; stats file skip 1 using (stringcolumn(1) eq '" // &
+               text_of(body) // &
+                     "' && stringcolumn(2) eq '" // trim(methods(m)) // &
+                        "' ? (n = n + 1, n == 1 ? (first_x = $8, " // &
                      "first_y = $6) : 0, last_x = $8, last_y = $6, 1) : NaN) nooutput", error)
-            call put(file, "set label '" // trim(methods(m)) // "' at " // label_place(m) // " tc rgb '" // &
+            call put(file, "set label '" // trim(methods(m)) // "' at " // label_place(m) // &
+               " tc rgb '" // &
                      strong_colour(m) // "' font ',10' front", error)
          end do
          line = "plot "
          do m = 1, size(methods)
             call put(file, line // "file skip 1 using (stringcolumn(1) eq '" // text_of(body) // &
-                     "' && stringcolumn(2) eq '" // trim(methods(m)) // "' ? $8 : NaN):6 with linespoints pt " // &
-                     text_of(strong_point(m)) // " ps 0.6 lw 1.4 lc rgb '" // strong_colour(m) // "', \", error)
+                     "' && stringcolumn(2) eq '" // trim(methods(m)) // &
+                        "' ? $8 : NaN):6 with linespoints pt " // &
+                     text_of(strong_point(m)) // " ps 0.6 lw 1.4 lc rgb '" // strong_colour(m) // &
+                        "', \", error)
             line = "   "
          end do
          call put(file, "   NaN notitle", error)
