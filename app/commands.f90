@@ -11,6 +11,7 @@ module app_commands
    use app_cost, only: command_cost
    use app_measured, only: command_properties, command_hard
    use app_choose, only: command_choose
+   use app_reproduce, only: command_reproduce
    use app_lists, only: command_methods, command_splittings, command_effects, command_scenes
    implicit none(type, external)
    private
@@ -80,6 +81,8 @@ contains
          call command_cost(words, code)
       case ("choose")
          call command_choose(words, code)
+      case ("reproduce")
+         call command_reproduce(words, code)
       case ("properties")
          call command_properties(words, code)
       case ("hard")

@@ -11,10 +11,11 @@ module app_help
       character(60) :: about
    end type command
 
-   type(command), parameter :: table(9) = [ &
+   type(command), parameter :: table(10) = [ &
       command("run", "run a scene: trajectory, summary, restart, pictures"), &
       command("cost", "what accuracy costs in time, on a scene"), &
       command("choose", "the cheapest method and step that meet a tolerance"), &
+      command("reproduce", "published comparisons once more, as pictures"), &
       command("properties", "what each method keeps: the review's table, measured"), &
       command("hard", "hard bodies through every method, measured"), &
       command("methods", "list the methods that turn a free body"), &
@@ -71,9 +72,22 @@ contains
             "   --quiet                print errors only", &
             "", &
             "A scene with method = 'auto' does the same when it starts, for &scene tol, within 5", &
-         "seconds, and says in summary and restart what it chose; splitting = 'auto' keeps the", &
-            "method; a step that is given is the longest allowed; a", &
-            "restart never chooses again. Exit code 3: nothing meets the tolerance."])
+            "seconds, and says in summary and restart what it chose; splitting = 'auto' keeps", &
+            "the method; a step that is given is the longest allowed. A restart never chooses", &
+            "again. Exit code 3: nothing meets the tolerance."])
+      case ("reproduce")
+         call put([character(100) :: &
+            "poinsot reproduce hairer-vilmart | fasso | celledoni [--out DIR] [--budget TIME]", &
+            "", &
+            "   hairer-vilmart   error against work of two free bodies, order 2 to 10, and the", &
+            "                    exact step (J. Phys. A 39, 13225, 2006, figure 1)", &
+            "   fasso            error over the triangle of all bodies for each method: how much", &
+            "                    methods of one order differ (J. Comput. Phys. 189, 527, 2003)", &
+            "   celledoni        when the exact rotor pays inside a splitting (SIAM J. Sci.", &
+            "                    Comput. 30, 2084, 2008); takes --budget, default 120s", &
+            "", &
+            "Figure 1 of Vilmart's review is `poinsot run free-body`. Numbers as CSV, pictures", &
+            "by gnuplot, in DIR (default poinsot-out/FIGURE). --no-pictures, --quiet as in cost."])
       case ("properties")
          call put([character(100) :: &
             "poinsot properties [--out DIR]", &

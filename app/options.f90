@@ -22,12 +22,13 @@ module app_options
 contains
 
    !> Words to options; complains itself.
-   subroutine read_study_options(command, words, known, options, good)
+   subroutine read_study_options(command, words, known, options, good, question)
       character(*), intent(in) :: command
       type(word_list), intent(in) :: words
       character(*), intent(in) :: known(:)        !! the options of this command
       type(study_options), intent(out) :: options
       logical, intent(out) :: good
+      character(*), intent(in), optional :: question   !! said if nothing is named; default: a scene
       character(:), allocatable :: name, value
       integer :: i
       call start(options)
@@ -58,7 +59,11 @@ contains
          end if
       end do
       if (good .and. len(options%scene) == 0) then
-         call complain(command // ": which scene? Shipped are " // joined(shipped_scenes))
+         if (present(question)) then
+            call complain(command // ": " // question)
+         else
+            call complain(command // ": which scene? Shipped are " // joined(shipped_scenes))
+         end if
          good = .false.
       end if
       do while (len(options%out) > 1)

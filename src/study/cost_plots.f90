@@ -85,7 +85,7 @@ contains
          ": what accuracy costs' at graph 0, graph 1.05 font ',14'", &
                error)
       call put(file, &
-         "set label 'band: nothing is both faster and more accurate' at graph 1, graph 1.05" // &
+         "set label 'band: our fastest for each accuracy' at graph 1, graph 1.05" // &
                " right tc rgb '#707070' font ',10'", error)
       shown = chosen
       if (size(study%candidates) <= few) shown = [(i, i=1, size(study%candidates))]

@@ -70,14 +70,10 @@ contains
       real(dp), intent(in) :: x(:), y(:)      !! fractions of the picture
       integer, intent(in) :: length           !! letters
       real(dp), intent(out) :: at_x, at_y     !! of the text's left middle
-      real(dp), parameter :: ring(2, 16) = reshape([ &
-         0.012_dp, -0.03_dp, 0.015_dp, 0.0_dp, 0.012_dp, 0.03_dp, -1.012_dp, 0.03_dp, -1.015_dp, &
-            0.0_dp, &
-         -1.012_dp, -0.03_dp, -0.5_dp, -0.045_dp, -0.5_dp, 0.045_dp, 0.02_dp, -0.06_dp, 0.02_dp, &
-            0.06_dp, &
-         -1.02_dp, -0.06_dp, -1.02_dp, 0.06_dp, 0.03_dp, -0.1_dp, 0.03_dp, 0.1_dp, -1.03_dp, &
-            0.1_dp, &
-         -1.03_dp, -0.1_dp], [2, 16])
+      real(dp), parameter :: ring(2, 12) = reshape([0.012_dp, -0.03_dp, 0.015_dp, 0.0_dp, &
+         0.012_dp, 0.03_dp, -1.012_dp, 0.03_dp, -1.015_dp, 0.0_dp, -1.012_dp, -0.03_dp, &
+         -0.5_dp, -0.045_dp, -0.5_dp, 0.045_dp, 0.02_dp, -0.055_dp, 0.02_dp, 0.055_dp, &
+         -1.02_dp, -0.055_dp, -1.02_dp, 0.055_dp], [2, 12])
       real(dp) :: width, left, bottom, price, least
       integer :: i, k
       width = letter*length

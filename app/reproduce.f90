@@ -1,0 +1,77 @@
+!> poinsot reproduce
+module app_reproduce
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_nearest, only: nearest_name
+   use poinsot_scene_files, only: make_folder
+   use poinsot_study_repeat_celledoni, only: repeat_celledoni
+   use poinsot_study_repeat_fasso, only: repeat_fasso
+   use poinsot_study_repeat_hairer, only: repeat_hairer
+   use app_arguments, only: word_list
+   use app_codes, only: exit_ok, exit_usage, exit_of_run
+   use app_draw, only: draw_pictures
+   use app_options, only: study_options, read_study_options, seconds_of
+   use app_progress, only: progress_watch
+   use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
+   implicit none(type, external)
+   private
+   public :: command_reproduce
+
+   character(13), parameter :: known(4) = [character(13) :: "--out", "--budget", "--no-pictures", &
+      "--quiet"]
+   character(16), parameter :: figures(3) = [character(16) :: "hairer-vilmart", "fasso", &
+      "celledoni"]
+
+contains
+
+   !> The command.
+   subroutine command_reproduce(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      type(study_options) :: options
+      type(progress_watch) :: watch
+      type(poinsot_error) :: error
+      character(:), allocatable :: out
+      real(dp) :: budget
+      logical :: good
+      code = exit_usage
+      call read_study_options("reproduce", words, known, options, good, &
+         "which figure? There are " // &
+                              "hairer-vilmart, fasso and celledoni")
+      if (.not. good) return
+      if (.not. any(figures == options%scene)) then
+         call complain("reproduce: unknown figure '" // options%scene // &
+            "'; the nearest known one is '" // &
+                       nearest_name(options%scene(:min(len(options%scene), 60)), figures) // "'")
+         return
+      end if
+      budget = 120
+      if (options%budget /= "") call seconds_of("reproduce", options%budget, budget, good)
+      if (.not. good) return
+      out = options%out
+      if (len(out) == 0) out = "poinsot-out/" // options%scene
+      watch%shown = error_is_terminal() .and. .not. options%quiet
+      call catch_interrupts()
+      call make_folder(out, error)
+      if (.not. raised(error)) then
+         select case (options%scene)
+         case ("hairer-vilmart")
+            call repeat_hairer(out, error)
+         case ("fasso")
+            call repeat_fasso(out, error)
+         case default
+            call repeat_celledoni(out, budget, watch, error)
+         end select
+      end if
+      call watch%wipe()
+      code = exit_of_run(error%code)
+      if (raised(error)) then
+         call complain(error%message)
+         return
+      end if
+      if (options%pictures) call draw_pictures([options%scene], out, options%quiet)
+      if (.not. options%quiet) call say("written to " // out)
+      code = exit_ok
+   end subroutine command_reproduce
+
+end module app_reproduce
