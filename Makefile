@@ -42,9 +42,10 @@ demo: build ## build, then run the free body and the heavy top, leave pictures
 test: build ## build, then run the tests in two profiles; ends with "N passed, M failed"
 	@tools/test.sh $(SUITE)
 
-check-deep: build ## all tests, the long ones too; vector code looked at
+check-deep: build ## all tests, the long ones too; vector code looked at; sanitizers, valgrind, flags, coverage, fuzzers
 	@tools/test.sh --deep $(SUITE)
 	@bench/assembly.sh
+	@tools/deep.sh
 
 bench: build ## measure the speed of every method
 	@if [ -x bench/run.sh ]; then bench/run.sh; else echo "no benchmark yet"; exit 1; fi
