@@ -45,9 +45,10 @@ demo: build ## build, then run the free body and the heavy top, leave pictures
 test: build ## build, then run the tests in two profiles; ends with "N passed, M failed"
 	@tools/test.sh $(SUITE)
 
-check-deep: build ## all tests, the long ones too; vector code looked at
+check-deep: build ## all tests, the long ones too; vector code looked at; sanitizers, valgrind, flags, coverage, fuzzers
 	@tools/test.sh --deep $(SUITE)
 	@bench/assembly.sh
+	@tools/deep.sh
 
 test-mpi: ## set up MPI, build with MPI=1, run the tests of several processes
 	@$(MAKE) --no-print-directory build MPI=1

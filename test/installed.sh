@@ -81,6 +81,17 @@ abuse_sanitized() {
 sanitizers_work() {
    echo 'int main(void) { return 0; }' >"$work/try.c" && "$CC" -fsanitize=address,undefined "$work/try.c" -o "$work/try" 2>/dev/null && "$work/try"
 }
+no_memory() {
+   eval "$CC -std=c99 test/c/memory.c -o build/installed/build/memory $(config --cflags --libs)" &&
+      OMP_NUM_THREADS=1 LD_LIBRARY_PATH=$prefix/lib build/installed/build/memory
+}
+# A scene of 3e8 bodies in an address space of 2 GB: a message and exit code 1, not a signal.
+no_memory_app() {
+   (ulimit -v 2000000 && OMP_NUM_THREADS=1 "$prefix/bin/poinsot" run free-body --set bodies.count=300000000 --out build/installed/large)
+   code=$?
+   echo "exit code $code"
+   [ $code = 1 ]
+}
 has_numpy() { "$PYTHON" -c "import numpy" 2>/dev/null; }
 older_processor() {
    eval "$CC -std=c99 test/consumer/older.c -o build/installed/build/older $(config --cflags --libs)" &&
@@ -145,6 +156,7 @@ if have pkg-config; then
    else
       skip "abuse-valgrind" "no valgrind, or a build with AVX-512"
    fi
+   if [ "$(uname)" = Linux ]; then expect "no-memory" no_memory; else skip "no-memory" "for glibc"; fi
    if have qemu-x86_64 && native_build; then
       expect "older-processor" older_processor
    else
@@ -162,6 +174,7 @@ if [ -n "$have_api" ]; then
    if have cmake; then expect "c-by-cmake" cmake_c; else skip "c-by-cmake" "no cmake"; fi
 fi
 [ ! -x "$prefix/bin/poinsot" ] || expect "app" app
+[ ! -x "$prefix/bin/poinsot" ] || [ "$(uname)" != Linux ] || expect "no-memory-app" no_memory_app
 expect "uninstall" tools/install.sh uninstall "$prefix"
 expect "nothing-left" nothing_left
 

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Build the fuzzer (test/fuzz) with address and undefined-behaviour sanitizers and run it.
 #
-# usage: tools/fuzz.sh [scene | restart | abi | all] [INPUTS [SEED]]      (all, 20000 inputs, seed 1)
+# usage: tools/fuzz.sh [scene | restart | abi | all | probe] [INPUTS [SEED]]      (all, 20000 inputs, seed 1)
 # environment: FC, CC; FUZZ_FLAGS instead of the sanitizers' flags
 #
 # Ends with "N passed, M failed": a target passes if no input crashed, hung or broke a promise. Inputs that did are kept in
@@ -38,6 +38,11 @@ build() {
    "$FC" $flags -fopenmp $out/objects/*.o -o $out/fuzz $(tools/flags.sh link) -llapack -lblas -lm
 }
 
+if [ "$targets" = probe ]; then # can sanitized programs be built and run here?
+   printf 'end\n' >$out/try.f90
+   "$FC" $flags $out/try.f90 -o $out/try >/dev/null 2>&1 && $out/try
+   exit
+fi
 build >$out/build.log 2>&1 || { tail -n 20 $out/build.log; echo "0 passed, 1 failed"; exit 1; }
 passed=0 failed=0
 # Memory that the compiler's run-time library keeps is no leak of ours; a number of an input that no memory holds is refused.

@@ -53,6 +53,10 @@ if [ -z "$arguments" ] && [ -x test/installed.sh ]; then
    printf '\n=== tests of the installed library and app\n'
    counted installed test/installed.sh
 fi
+if [ -z "$arguments" ]; then
+   printf '\n=== fuzzers, a short run\n'
+   if tools/fuzz.sh probe; then counted fuzz tools/fuzz.sh all 1500; else echo "       ... fuzz [SKIPPED] no sanitizers"; fi
+fi
 
 printf '\n%d passed, %d failed\n' $passed $failed
 [ $failed -eq 0 ] && [ $passed -gt 0 ] && [ $empty = 0 ]

@@ -19,26 +19,27 @@ contains
       character(*), intent(in) :: text
       type(setting), allocatable, intent(out) :: settings(:)
       type(poinsot_error), intent(inout) :: error
-      integer :: first, last, n, parts, state
-      parts = 1 + count([(text(n:n) == ";", n=1, len(text))])
-      allocate (settings(parts), stat=state)
-      if (state /= 0) then
-         call raise(error, poinsot_e_memory, "no memory for the settings of an effect")
-         return
-      end if
-      n = 0
-      first = 1
-      do while (first <= len(text))
-         last = index(text(first:), ";") + first - 2
-         if (last < first - 1) last = len(text)
-         if (verify(text(first:last), blanks) > 0) then
-            n = n + 1
-            call read_one(text(first:last), settings(n), error)
-            if (raised(error)) return
+      integer :: first, last, n, pass, state
+      do pass = 1, 2 ! count, then read: a list cut to size would be a copy, made without a look
+         n = 0
+         first = 1
+         do while (first <= len(text))
+            last = index(text(first:), ";") + first - 2
+            if (last < first - 1) last = len(text)
+            if (verify(text(first:last), blanks) > 0) then
+               n = n + 1
+               if (pass == 2) call read_one(text(first:last), settings(n), error)
+               if (raised(error)) return
+            end if
+            first = last + 2
+         end do
+         if (pass == 2) return
+         allocate (settings(n), stat=state)
+         if (state /= 0) then
+            call raise(error, poinsot_e_memory, "no memory for the settings of an effect")
+            return
          end if
-         first = last + 2
       end do
-      settings = settings(1:n)
    end subroutine read_settings
 
    !> One `key = values`.
@@ -101,7 +102,12 @@ contains
          first = last + 1
          if (first > len(values)) exit
       end do
-      one%values = found(1:n)
+      allocate (one%values(n), stat=state) ! an assignment would allocate without a look
+      if (state /= 0) then
+         call raise(error, poinsot_e_memory, "no memory for the settings of an effect")
+         return
+      end if
+      one%values(:) = found(1:n)
    end subroutine read_numbers
 
    pure logical function is_quoted(s)

@@ -3,7 +3,7 @@
  *   fuzz scene|restart|abi [--runs N] [--seed S] [--out FOLDER] [--only K] [FILE...]
  *
  * The files are the first corpus (scenes; for `restart` scenes too, whose restart files are made first); FILE replayed alone with
- * --runs 0. Inputs run in a child process; one that ends it (a sanitizer, a signal, five seconds without an answer) is kept as
+ * --runs 0. Inputs run in a child process; one that ends it (a sanitizer, a signal, five seconds of work without an answer) is kept as
  * FOLDER/crash-N and the next child goes on. The last line says how many inputs ran, how many crashed; exit code 1 if any did.
  *
  * Which code an input reaches is counted where the library was compiled with gcc's -fsanitize-coverage=trace-pc; without it the
@@ -172,12 +172,12 @@ static int run_one(const unsigned char *x, size_t n) {
   unsigned char *copy = malloc(n ? n : 1); /* of its own size, so that a read past its end is seen */
   memcpy(copy, x, n);
   memset(hits, 0, sizeof hits);
-  setitimer(ITIMER_REAL, &limit, NULL);
+  setitimer(ITIMER_PROF, &limit, NULL);
   if (strcmp(target, "scene") == 0) answer = scene_answer(copy, n);
   else if (strcmp(target, "restart") == 0) answer = restart_answer(copy, n);
   else answer = fuzz_abi(copy, n);
   limit.it_value.tv_sec = 0;
-  setitimer(ITIMER_REAL, &limit, NULL);
+  setitimer(ITIMER_PROF, &limit, NULL);
   free(copy);
   if (answer < 0 || answer > 15) abort(); /* a broken promise is a crash */
   s->answers[answer]++;
@@ -273,7 +273,7 @@ static void save(const char *out, int status) {
     fclose(f);
   }
   fprintf(stderr, "fuzz: %s after %lu inputs: kept as %s\n",
-          WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM ? "no answer" : "a crash", s->runs, path);
+          WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF ? "no answer" : "a crash", s->runs, path);
 }
 
 int main(int argc, char **argv) {
