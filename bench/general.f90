@@ -1,8 +1,7 @@
 !> General-purpose rivals on a scene: Runge-Kutta methods on (y, q) with the scene's own torques, 32
 !> bodies side by side as the library has them. Classical order 4 and DOP853 of order 8, with fixed
-!> steps; DOP853 also with its own error estimate and step control (E. Hairer, S. P. Norsett,
-!> G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., 1993, section II.5), all bodies of
-!> a
+!> steps; DOP853 also with its own error estimate and step control (E. Hairer, S. P. Norsett, G.
+!> Wanner, Solving Ordinary Differential Equations I, 2nd ed., 1993, section II.5), all bodies of a
 !> block with one step.
 module bench_general
    use poinsot_core_kinds, only: dp, lanes

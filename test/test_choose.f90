@@ -1,6 +1,5 @@
 !> The choice of method, splitting and step: what it promises is kept, on scenes it has not seen;
-!> and
-!> it costs little more than the best there is (the long suite, which times).
+!> and it costs little more than the best there is (the long suite, which times).
 module test_choose
    use, intrinsic :: iso_fortran_env, only: output_unit
    use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
@@ -234,10 +233,8 @@ contains
    end subroutine small_promise
 
    !> The two figures of the promise: it is kept in 95 of 100 scenes, and the choice takes at most
-   !> 1.5
-   !> times as long as the best of an exhaustive search. A scene where nothing meets the tolerance,
-   !> and
-   !> which says so, is replaced by the next.
+   !> 1.5 times as long as the best of an exhaustive search. A scene where nothing meets the
+   !> tolerance, and which says so, is replaced by the next.
    subroutine large_promise(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: ratio, ratios(many_scenes)

@@ -82,8 +82,7 @@ contains
    end subroutine published_ends
 
    !> Twice as many steps change nothing but the last digits of quadruple precision; nor do other
-   !> names
-   !> of the axes, odd permutations included.
+   !> names of the axes, odd permutations included.
    subroutine quadruple_steps(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: moments(3) = [0.3_dp, 0.9_dp, 1.1_dp], y0(3) = [0.4_dp, -0.7_dp, &

@@ -73,9 +73,8 @@ contains
    end subroutine look_at
 
    !> The scene without noise: a thermostat at temperature zero, that is its friction alone. Two
-   !> runs
-   !> with noise and different steps are two samples, and have no distance that a step would shrink.
-   !> Bodies at rest, which only noise would move, begin with momenta of its temperature.
+   !> runs with noise and different steps are two samples, and have no distance that a step would
+   !> shrink. Bodies at rest, which only noise would move, begin with momenta of its temperature.
    subroutine quiet_scene(scene, quiet)
       type(scene_settings), intent(in) :: scene
       type(scene_settings), intent(out) :: quiet
@@ -104,8 +103,7 @@ contains
    end subroutine warm
 
    !> All candidates for a scene, or those of the methods and splittings named. A splitting that
-   !> needs
-   !> a force gradient which an effect does not have is left out; by name it is an error.
+   !> needs a force gradient which an effect does not have is left out; by name it is an error.
    subroutine list_candidates(scene, kind, methods, splittings, list, error)
       type(scene_settings), intent(in) :: scene
       type(scene_kind), intent(in) :: kind

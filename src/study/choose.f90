@@ -1,6 +1,5 @@
 !> The cheapest method, splitting and step that meet a tolerance on a scene and a machine, by trial
-!> on
-!> the scene's own bodies.
+!> on the scene's own bodies.
 module poinsot_study_choose
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -64,8 +63,7 @@ module poinsot_study_choose
 contains
 
    !> Choose. Errors: what the plan refuses; POINSOT_E_CONVERGENCE if nothing meets the tolerance,
-   !> with
-   !> the best there is.
+   !> with the best there is.
    subroutine choose_method(scene, request, watch, answer, error)
       type(scene_settings), intent(in) :: scene
       type(choose_request), intent(in) :: request
@@ -134,8 +132,7 @@ contains
    end subroutine prepare_task
 
    !> A reference good enough for the tolerance, to the scene's end or, where that takes too long,
-   !> to
-   !> an earlier time; errors are then taken to grow in proportion to time.
+   !> to an earlier time; errors are then taken to grow in proportion to time.
    subroutine window(quiet, kind, request, task, answer, error)
       type(scene_settings), intent(in) :: quiet
       type(scene_kind), intent(in) :: kind

@@ -75,8 +75,7 @@ module poinsot_study_cost
 contains
 
    !> Measure. Errors: what the plan or the candidates' names refuse, POINSOT_E_CONVERGENCE without
-   !> a
-   !> reference.
+   !> a reference.
    subroutine study_cost(scene, request, watch, study, error)
       type(scene_settings), intent(in) :: scene
       type(cost_request), intent(in) :: request
@@ -126,8 +125,7 @@ contains
    end function steps_of
 
    !> Errors, level by level: all candidates with long steps first, so that a budget that ends
-   !> leaves
-   !> all of them equally far.
+   !> leaves all of them equally far.
    subroutine climb(request, begun, watch, climbers, study)
       type(cost_request), intent(in) :: request
       real(dp), intent(in) :: begun
@@ -236,8 +234,7 @@ contains
    end subroutine by_candidate
 
    !> Time all points in rounds; when another round of all would go beyond the budget, those that
-   !> may
-   !> be on the frontier only.
+   !> may be on the frontier only.
    subroutine take_times(request, begun, watch, climbers, study)
       type(cost_request), intent(in) :: request
       real(dp), intent(in) :: begun
@@ -380,8 +377,7 @@ contains
       at = 0
       nearest = huge(nearest)
       ! dmv2 makes an error of about (h omega)^3/12 a step: the step where it is a few per cent at
-      ! the
-      ! end is a usual one, whatever the unit of time
+      ! the end is a usual one, whatever the unit of time
       wanted = 0
       do i = 1, size(study%points)
          associate (p => study%points(i))

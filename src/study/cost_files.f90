@@ -1,6 +1,5 @@
 !> A cost study as files: every point as CSV, the initial states and where they end, and the
-!> sentences
-!> that people read.
+!> sentences that people read.
 module poinsot_study_cost_files
    use poinsot_core_kinds, only: dp, qp
    use poinsot_core_error, only: poinsot_error, raised

@@ -1,6 +1,5 @@
 !> Pictures of a cost study, as gnuplot scripts over cost.csv: work against precision for attitude
-!> and
-!> for momentum with the efficient frontier named, and error against step.
+!> and for momentum with the efficient frontier named, and error against step.
 module poinsot_study_cost_plots
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised

@@ -82,8 +82,7 @@ contains
    end subroutine read_lines
 
    !> Set keys of the first group of a name. A value that is there is replaced where it stands; a
-   !> key
-   !> that is not there is added behind the group's name.
+   !> key that is not there is added behind the group's name.
    subroutine set_keys(lines, group, keys, values, found)
       type(text_line), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: group          !! lower case

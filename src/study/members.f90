@@ -31,9 +31,8 @@ module poinsot_study_members
 contains
 
    !> The scene's bodies, or some of them if there are more than `wanted`; then copies of them
-   !> turned
-   !> by random angles up to `spread` until there are `wanted`. Where bodies see each other, whole
-   !> scenes are copied instead. Errors: POINSOT_E_MEMORY; POINSOT_E_SIZE for too many coupled
+   !> turned by random angles up to `spread` until there are `wanted`. Where bodies see each other,
+   !> whole scenes are copied instead. Errors: POINSOT_E_MEMORY; POINSOT_E_SIZE for too many coupled
    !> bodies.
    subroutine draw_members(scene, coupled, wanted, spread, members, error)
       type(scene_settings), intent(in) :: scene

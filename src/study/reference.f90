@@ -1,10 +1,9 @@
 !> The solution that candidates are measured against, with an estimate of its own error.
 !>
 !> Free bodies: quadruple precision. With effects: two schemes of high order with the exact rotor
-!> and
-!> compensated sums, each with finer and finer steps until rounding is all that is left (effects
-!> that
-!> limit the order to 2 are extrapolated in powers of h^2); the distance of the two is the estimate.
+!> and compensated sums, each with finer and finer steps until rounding is all that is left (effects
+!> that limit the order to 2 are extrapolated in powers of h^2); the distance of the two is the
+!> estimate.
 module poinsot_study_reference
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_error, only: poinsot_error, raise, raised

@@ -1,10 +1,7 @@
 !> E. Celledoni, F. Fasso, N. Safstrom, A. Zanna, The exact computation of the free rigid body
-!> motion
-!> and its use in splitting methods, SIAM J. Sci. Comput. 30 (2008) 2084: when does the exact rotor
-!> pay
-!> inside a splitting? A top with gravity weak to strong against its spin; for each rotor the time
-!> to
-!> one accuracy, each with the splitting and step that serve it best.
+!> motion and its use in splitting methods, SIAM J. Sci. Comput. 30 (2008) 2084: when does the exact
+!> rotor pay inside a splitting? A top with gravity weak to strong against its spin; for each rotor
+!> the time to one accuracy, each with the splitting and step that serve it best.
 module poinsot_study_repeat_celledoni
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
@@ -34,8 +31,7 @@ module poinsot_study_repeat_celledoni
 contains
 
    !> Measure, write celledoni.csv and its picture into a folder that is there; it takes about
-   !> `budget`
-   !> seconds. Error: POINSOT_E_IO.
+   !> `budget` seconds. Error: POINSOT_E_IO.
    subroutine repeat_celledoni(out, budget, watch, error)
       character(*), intent(in) :: out
       real(dp), intent(in) :: budget

@@ -54,8 +54,7 @@ contains
    end function columns
 
    !> The body at the middle of a small triangle: parts a, b, c of its mass along the axes, so that
-   !> its
-   !> moments are b + c, c + a, a + b; all bodies are such. |y| is such that |omega| is about 1.
+   !> its moments are b + c, c + a, a + b; all bodies are such. |y| is such that |omega| is about 1.
    subroutine one_body(file, i, j, up, error)
       type(out_file), intent(in) :: file
       integer, intent(in) :: i, j, up

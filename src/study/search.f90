@@ -1,7 +1,6 @@
 !> The longest step with which a candidate meets a tolerance, and the cheapest candidate: all of
-!> them
-!> with long steps first; whoever is dearer than a candidate that meets the tolerance already is
-!> out.
+!> them with long steps first; whoever is dearer than a candidate that meets the tolerance already
+!> is out.
 module poinsot_study_search
    use poinsot_core_kinds, only: dp, i8
    use poinsot_ensemble_plan, only: poinsot_plan
@@ -196,8 +195,7 @@ contains
    end subroutine narrow
 
    !> The next number to try between what failed and what met the tolerance: by the order, kept
-   !> inside;
-   !> 0 when there is no use.
+   !> inside; 0 when there is no use.
    pure subroutine guess_multiple(task, one, multiple)
       type(problem), intent(in) :: task
       type(contender), intent(in) :: one

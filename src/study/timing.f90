@@ -13,8 +13,7 @@ module poinsot_study_timing
 contains
 
    !> ns per body-step of runs that take about `seconds`, on one thread; 0 if a body failed. Runs
-   !> begin
-   !> anew after `most` steps: no state is timed that the errors were not measured on.
+   !> begin anew after `most` steps: no state is timed that the errors were not measured on.
    subroutine time_steps(plan, members, h, guess, seconds, most, compensated, ns)
       type(poinsot_plan), intent(in) :: plan
       type(member_set), intent(in) :: members   !! the ensemble

@@ -1,6 +1,5 @@
 !> One candidate at work: a scene's plan with a method and a splitting of the study's choice, run
-!> over
-!> the members with steps of one length.
+!> over the members with steps of one length.
 module poinsot_study_trial
    use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_core_kinds, only: dp, i8
