@@ -160,9 +160,9 @@ contains
       real(dp), intent(in) :: bound                  !! in 1e-16; negative: by the order
       character(120) :: line
       character(24) :: text
-      write (text, "(a, es7.1e1, a)") "  (bound ", bound, ")"
+      write (text, "(a, es6.0e2, a)") "  (bound ", bound, ")"
       if (.not. abs(bound) > 0) text = "  (bound 0)"
-      if (bound < 0) text = "  (bound by the order)"
+      if (bound < 0) text = "  (bound by the scheme)"
       line = "   "//name//"  "//trim(about)//text
    end function legend
 
@@ -239,7 +239,7 @@ contains
          refused = refused + rows(i)%counts%too_long
          if (.not. rows(i)%good) bad = bad + 1
       end do
-      write (numbers, "(f6.3, 2a)") rows(worst)%part, " of the bound, ", trim(rows(worst)%case)
+      write (numbers, "(f7.3, 2a)") min(rows(worst)%part, 999.0_dp), " of the bound, ", trim(rows(worst)%case)
       line = "   "//name//merge("good   ", "BROKEN ", bad == 0)//trim(numbers)
       if (rows(worst)%way == "pieces") line = line//" in pieces"
       if (refused > 0) then
@@ -256,7 +256,7 @@ contains
       character(24) :: part
       figure = cell(row)
       part = ""
-      if (row%part > 0) write (part, "(f7.3, a)") row%part, " of the bound"
+      if (row%part > 0) write (part, "(f7.3, a)") min(row%part, 999.0_dp), " of the bound"
       line = row%case//" "//row%who//row%way//figure//"  "//part//verdict_words(row)
    end function line_of
 

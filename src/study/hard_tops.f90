@@ -23,7 +23,7 @@ module poinsot_study_hard_tops
       "fast", "sleeping", "nudged", "upright", "back", "strong", "overflow"]
 
    real(dp), parameter :: top_bounds(7) = [ & !! in 1e-16; -1: top_bound has it
-      2e5_dp, 0.0_dp, 3e9_dp, -1.0_dp, 2e4_dp, 1e14_dp, 0.0_dp]
+      4e5_dp, 0.0_dp, 3e9_dp, -1.0_dp, -1.0_dp, 1e14_dp, 0.0_dp]
 
    character(74), parameter :: top_about(7) = [character(74) :: &
       "spin 1e4 times the precession, h spin = 50: energy and L_z kept", &
@@ -49,7 +49,11 @@ contains
       bound = top_bounds(number)
       if (.not. bound < 0) return
       call find_splitting(scheme, found, error)
-      bound = upright(found%order/2)
+      if (top_names(number) == "upright") then
+         bound = upright(found%order/2)
+      else
+         bound = merge(2e6_dp, 2000.0_dp, size(found%enter) > 0)
+      end if
    end function top_bound
 
    !> Figure of a case, in 1e-16; `broken`: a NaN, or a status that should not be.
