@@ -713,12 +713,10 @@ contains
    !> Command lines and what they print, from test/golden; skipped without POINSOT_APP.
    subroutine test_golden(error)
       type(error_type), allocatable, intent(out) :: error
-      character(*), parameter :: names(14) = [character(20) :: "help", "help-run", "methods", &
-         "scenes-one", &
-                                              "effects-gravity", "unknown-command", &
-                                                 "unknown-option", &
-                                              "unknown-scene", "unknown-key", "unknown-method", &
-                                              "bad-moments", "bad-step", "no-value", "check"]
+      character(*), parameter :: names(16) = [character(20) :: "help", "help-run", "help-hard", &
+         "hard-unknown", "methods", "scenes-one", "effects-gravity", "unknown-command", &
+         "unknown-option", "unknown-scene", "unknown-key", "unknown-method", "bad-moments", &
+         "bad-step", "no-value", "check"]
       character(:), allocatable :: app, wanted, got, arguments
       integer :: i, length, state, code
       call get_environment_variable("POINSOT_APP", length=length)

@@ -6,7 +6,7 @@ module poinsot_free_limits
    use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
-   public :: refuse_speed
+   public :: refuse_speed, refuse_torque
 
    real(dp), parameter :: fastest = 1e70_dp      !! angular velocity, in the caller's unit
 
@@ -34,5 +34,27 @@ contains
          y(l, :) = 0
       end do
    end subroutine refuse_speed
+
+   !> Lanes whose torque a force gradient cannot square, g g/I beyond 1e300, get POINSOT_E_DOMAIN and
+   !> no torque.
+   pure subroutine refuse_torque(class, g, status)
+      type(body_class), intent(in) :: class
+      real(dp), intent(inout) :: g(lanes, 3)         !! body torque
+      integer, intent(inout) :: status(lanes)
+      real(dp) :: limit, good(lanes)
+      integer :: l
+      limit = 1e150_dp*sqrt(min(minval(class%moments, class%moments > 0), 1e200_dp))
+      !GCC$ ivdep
+      do l = 1, lanes
+         good(l) = merge(1.0_dp, 0.0_dp, abs(g(l, 1)) <= limit .and. abs(g(l, 2)) <= limit &
+                         .and. abs(g(l, 3)) <= limit)
+      end do
+      if (smallest(good) >= 1) return
+      do l = 1, lanes
+         if (good(l) >= 1) cycle
+         if (status(l) == poinsot_ok) status(l) = poinsot_e_domain
+         g(l, :) = 0
+      end do
+   end subroutine refuse_torque
 
 end module poinsot_free_limits

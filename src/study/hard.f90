@@ -266,7 +266,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       character(200) :: line
-      real(dp) :: figure
+      character(9) :: figure
       integer :: i
       call make_folder(folder, error)
       if (.not. raised(error)) call open_out(folder//"/hard.csv", file, error)
@@ -275,10 +275,11 @@ contains
          "figure,part_of_bound,good,verdict", error)
       do i = 1, size(rows)
          associate (row => rows(i), of => rows(i)%counts)
-            figure = merge(-9.0_dp, row%figure, row%figure >= broken)
-            write (line, "(3(a, ','), 3(i0, ','), 4(es9.3, ','), f0.4, ',', i0, ',', 3a)") &
+            figure = ""
+            if (row%figure >= 0 .and. row%figure < broken) write (figure, "(es9.3)") row%figure
+            write (line, "(3(a, ','), 3(i0, ','), 3(es9.3, ','), a, ',', f6.4, ',', i0, ',', 3a)") &
                trim(row%case), trim(row%who), trim(row%way), of%answered, of%too_long, of%other, &
-               of%y, of%q, of%largest, figure, row%part, merge(1, 0, row%good), '"', &
+               of%y, of%q, of%largest, trim(figure), min(row%part, 9.0_dp), merge(1, 0, row%good), '"', &
                verdict_words(row), '"'
          end associate
          call put(file, trim(line), error)
