@@ -100,11 +100,11 @@ contains
          call put([character(100) :: &
             "poinsot hard [NAME] [--out DIR]", &
             "", &
-            "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI units,", &
-            "...) through every method, measures ten promises (other units, axes in any order,", &
-            "there and back, steps of any size, quaternions off unit norm, ...), and seven tops", &
-            "and fields in every splitting: the worst errors, refusals, and a verdict on each", &
-            "against its bound. A few seconds.", &
+            "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI", &
+            "units, ...) through every method, measures ten promises (other units, axes in any", &
+            "order, there and back, steps of any size, quaternions off unit norm, ...), and seven", &
+            "tops and fields in every splitting: the worst errors, refusals, and a verdict on", &
+            "each against its bound. A few seconds.", &
             "", &
             "   NAME        one case, method or splitting: every figure, bound and verdict of it", &
             "   --out DIR   all of it in DIR/hard.csv", &
@@ -116,7 +116,11 @@ contains
             "poinsot methods", &
             "", &
             "Lists the methods that turn a free body: name, order (exact: right to rounding for", &
-            "any step), what it is. A scene names one in &scene method = '...'."])
+            "any step), what it is. A scene names one in &scene method = '...'.", &
+            "", &
+            "All but exact and jacobi take steps of at most a quarter turn by the largest", &
+            "angular velocity of the motion (dmv2 and rattle a third less), and refuse longer", &
+            "ones: poinsot hard, docs/robustness.md."])
       case ("splittings")
          call put([character(100) :: &
             "poinsot splittings", &
