@@ -32,7 +32,7 @@ module poinsot
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_elliptic_jacobi, only: poinsot_jacobi => jacobi_functions
    use poinsot_ensemble_bodies, only: poinsot_bodies => body_view, view_rows, view_columns, column
-   use poinsot_ensemble_coupled, only: poinsot_torque => torque_callback
+   use poinsot_ensemble_system, only: poinsot_torque => torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, &
       poinsot_degrees_of_freedom => total_degrees_of_freedom
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, set_option, &

@@ -10,7 +10,7 @@ module test_ensemble
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_ensemble_bodies, only: body_view, column, view_columns, view_rows
-   use poinsot_ensemble_coupled, only: torque_callback
+   use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_layout, only: momentum_names
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, make_ready, set_option
