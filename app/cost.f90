@@ -60,8 +60,7 @@ contains
       call names_in(options%splittings, request%splittings)
       if (options%budget /= "") call seconds_of("cost", options%budget, request%budget, good)
       if (good .and. options%tol /= "") call numbers_in("cost", "--tol", options%tol, 1e-17_dp, &
-         1.0_dp, &
-                                                       tolerances, good)
+         1.0_dp, tolerances, good)
       if (good .and. options%states /= "") then
          call numbers_in("cost", "--states", options%states, 1.0_dp, 1e5_dp, states, good)
          if (good) request%members = nint(states(1))

@@ -36,8 +36,7 @@ contains
       end do
       fine = size(words%at) <= most
       if (.not. fine) then
-         call complain(command // ": '" // words%at(most + 1)%text // &
-            "' is one too many")
+         call complain(command // ": '" // words%at(most + 1)%text // "' is one too many")
       end if
    end function fine
 
@@ -106,9 +105,8 @@ contains
             if (names(i) == words%at(1)%text) exit
          end do
          if (i > size(names)) then
-            call complain("effects: unknown effect '" // words%at(1)%text // &
-               "'; the nearest known " // &
-                          "one is '" // nearest_name(words%at(1)%text, names) // "'")
+            call complain("effects: unknown effect '" // words%at(1)%text // "'; the nearest " // &
+                          "known one is '" // nearest_name(words%at(1)%text, names) // "'")
             return
          end if
          call get_info(i, info)
@@ -217,9 +215,8 @@ contains
       code = exit_usage
       call find_scene(name, file, found)
       if (.not. found) then
-         call complain("scenes: there is no scene '" // name // &
-            "' in this folder, in POINSOT_SCENES or " // &
-                       "beside the program; the nearest shipped one is '" // &
+         call complain("scenes: there is no scene '" // name // "' in this folder, " // &
+                       "in POINSOT_SCENES or beside the program; the nearest shipped one is '" // &
                        nearest_name(name(:min(len(name), 60)), shipped_scenes) // "'")
          return
       end if

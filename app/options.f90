@@ -149,8 +149,7 @@ contains
       if (good) good = value*unit >= 0.1_dp .and. value*unit <= 86400
       if (good) seconds = value*unit
       if (.not. good) call complain(command // ": --budget " // text // &
-         " is not a time from 0.1 s to a day, " // &
-                                    "as 60s or 2m")
+         " is not a time from 0.1 s to a day, as 60s or 2m")
    end subroutine seconds_of
 
    !> "1e-3,1e-6" as numbers within bounds; complains itself.

@@ -36,12 +36,11 @@ contains
       logical :: good
       code = exit_usage
       call read_study_options("reproduce", words, known, options, good, &
-         "which figure? There are " // &
-                              "hairer-vilmart, fasso and celledoni")
+                              "which figure? There are hairer-vilmart, fasso and celledoni")
       if (.not. good) return
       if (.not. any(figures == options%scene)) then
          call complain("reproduce: unknown figure '" // options%scene // &
-            "'; the nearest known one is '" // &
+                       "'; the nearest known one is '" // &
                        nearest_name(options%scene(:min(len(options%scene), 60)), figures) // "'")
          return
       end if

@@ -11,8 +11,8 @@ module test_ensemble_bits
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_ensemble_step, only: drift_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name
-   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, class_count, &
-      same_bits
+   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, &
+      class_count, same_bits
    implicit none(type, external)
    private
    public :: collect_bits

@@ -154,8 +154,8 @@ contains
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
       status = poinsot_e_memory
-      allocate (unwanted(merge(0, view%n, c_associated(kinetic) .and. c_associated(potential))), &
-         stat=state)
+      allocate (unwanted(merge(0, view%n, &
+                c_associated(kinetic) .and. c_associated(potential))), stat=state)
       if (state /= 0) return
       k => unwanted
       u => unwanted

@@ -33,8 +33,8 @@ contains
          row(0) = i
          do j = 1, len_trim(b)
             above = row(j)
-            row(j) = min(above + 1, row(j - 1) + 1, diagonal + merge(0, 1, same_letter(a(i:i), &
-               b(j:j))))
+            row(j) = min(above + 1, row(j - 1) + 1, &
+               diagonal + merge(0, 1, same_letter(a(i:i), b(j:j))))
             diagonal = above
          end do
       end do

@@ -61,9 +61,8 @@ contains
       if (get_text(info, settings, "orbit") == "fixed") new%rate = 0
       if (new%rate > 0 .or. new%rate < 0) then
          if (abs(dot_product(new%radial, new%normal)) > 1e-6_dp) then
-            call raise(error, poinsot_e_domain, &
-               "effect 'gravity_gradient': key 'normal' must be " // &
-                       "perpendicular to 'radial' on a circular orbit")
+            call raise(error, poinsot_e_domain, "effect 'gravity_gradient': key 'normal' must " // &
+                       "be perpendicular to 'radial' on a circular orbit")
             return
          end if
       end if

@@ -124,8 +124,8 @@ contains
             call next_block(h, first, n, class)
             if (n == 0) exit
             k = k + 1
-            call load_station(plan, host, composed(class), h%at(first:first + n - 1), n, class, &
-                              system%at(k))
+            call load_station(plan, host, composed(class), h%at(first:first + n - 1), n, &
+                              class, system%at(k))
          end do
       end do
    end subroutine load_all

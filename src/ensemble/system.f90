@@ -117,8 +117,8 @@ contains
                select type (one => self%plan%effects(i)%it)
                class is (pair_effect)
                   if (one%acts_on(s%b%class)) then
-                     call one%add_torque(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i), &
-                        s%flows%g)
+                     call one%add_torque(s%b%class, s%b%at, s%flows%q, &
+                                         self%sources(:, :, i), s%flows%g)
                   end if
                end select
             end do

@@ -12,8 +12,8 @@ module poinsot_rotation_quaternion
    implicit none(type, external)
    private
    public :: identity_quaternion, unit_tolerance, check_quaternion
-   public :: quaternion_product, quaternion_conjugate, quaternion_inverse, quaternion_norm, &
-      normalise
+   public :: quaternion_product, quaternion_conjugate, quaternion_inverse, &
+      quaternion_norm, normalise
    public :: rotate, rotate_back, quaternion_exp, quaternion_log
    public :: slerp, shortest_arc, attitude_distance, attitude_angle
 

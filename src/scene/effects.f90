@@ -67,9 +67,7 @@ contains
       if (raised(error)) return
       call make_effect(item%name, item%settings, made, refused)
       if (raised(refused)) then
-         call refuse(error, source%file, group%line, "&" // group%name // &
-            ": " // &
-            refused%message)
+         call refuse(error, source%file, group%line, "&" // group%name // ": " // refused%message)
       end if
    end subroutine build_one
 
@@ -89,8 +87,8 @@ contains
       end if
       name = word_of(group, "file")
       if (len(name) == 0) then
-         call complain(group, "file", "is empty; name a file with lines of t and three torques", &
-            error)
+         call complain(group, "file", &
+                       "is empty; name a file with lines of t and three torques", error)
          return
       end if
       if (name(1:1) /= "/") name = scene_file(:index(scene_file, "/", back=.true.)) // name

@@ -34,8 +34,7 @@ contains
          allocate (character(length) :: text, stat=code)
          if (code == 0) read (unit, iostat=code, iomsg=reason) text
          if (code /= 0) then
-            call raise(error, poinsot_e_io, file // ": cannot be read: " // &
-               trim(reason))
+            call raise(error, poinsot_e_io, file // ": cannot be read: " // trim(reason))
          end if
       else
          call load_slowly(unit, text, error, file)

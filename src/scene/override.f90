@@ -39,9 +39,8 @@ contains
       if (.not. raised(error)) call scan_values(text(equals + 1:), place, group, entry, error)
       if (raised(error)) return
       if (group == "bodies" .and. nth == 0 .and. find_group(source, "bodies", 2) > 0) then
-         call refuse(error, place, 0, quoted(text) // &
-            ": the scene has several &bodies groups; " // &
-                     "name one, as in bodies(2)." // entry%key)
+         call refuse(error, place, 0, quoted(text) // ": the scene has several &bodies " // &
+                     "groups; name one, as in bodies(2)." // entry%key)
          return
       end if
       call put_entry(source, group, max(nth, 1), entry, error)

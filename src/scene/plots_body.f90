@@ -32,8 +32,8 @@ contains
       call put_sphere(file, azimuth, height, error)
       call put_pole(momentum_pole(scene), file, error)
       call put(file, "set yrange [-1.4:1.45]; set xrange [-1.15:1.15]", error)
-      call put(file, "set multiplot layout 1,3 margins 0.005,0.995,0.005,0.995 spacing 0.01,0", &
-         error)
+      call put(file, "set multiplot layout 1,3 margins 0.005,0.995,0.005,0.995 spacing " // &
+               "0.01,0", error)
       do axis = 1, 3
          j = text_of(axis)
          vector = "(q1" // j // "($3,$4,$5,$6),q2" // j // "($3,$4,$5,$6),q3" // j // &

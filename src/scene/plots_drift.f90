@@ -88,8 +88,9 @@ contains
       character(:), allocatable :: m
       integer :: j
       m = "m[" // text_of(strip) // "]"
-      call put(file, "set yrange [-1.15*" // m // ":1.15*" // m // &
-               "]; set ytics (sprintf('%.0e', " // m // ") " // m // ", '0' 0, sprintf('%.0e', -" // m // ") -" // m // ")", error)
+      call put(file, "set yrange [-1.15*" // m // ":1.15*" // m // "]; " // &
+               "set ytics (sprintf('%.0e', " // m // ") " // m // ", '0' 0, " // &
+               "sprintf('%.0e', -" // m // ") -" // m // ")", error)
       call put(file, "set label 1 'change of " // name // "' at graph 0.01, graph 1.1", error)
       if (last) then
          call put(file, "set xlabel 't'; set xtics format '%g'", error)

@@ -53,7 +53,8 @@ contains
          "set key bottom right reverse Left; set border 3; set tics nomirror out", &
          "set xlabel 't'; set ylabel 'temperature of each axis / wanted one'", &
          "set autoscale xfix; set yrange [0:1.4]", &
-         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lc rgb '#b0b0b0' dt 2"], error)
+         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead " // &
+         "lc rgb '#b0b0b0' dt 2"], error)
       call put_lines(file, [character(160) :: &
          "plot file skip 1 using 1:(i1 > 0 ? $7**2/i1/kt : NaN) smooth unique title 'axis 1' " // &
          "with lines lc rgb '#1f3f66' lw 2, \", &

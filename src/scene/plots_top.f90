@@ -77,7 +77,8 @@ contains
                "phi" // vector // "):(theta" // vector // ") with lines lc rgb '" // dark // &
                "' lw 1.6, \", error)
       call put(file, "   file skip 1 every bodies::body::body using ((old = -1e9), " // &
-               "phi" // vector // "):(theta" // vector // ") with points pt 7 ps 1 lc rgb '" // dark // "'", error)
+               "phi" // vector // "):(theta" // vector // &
+               ") with points pt 7 ps 1 lc rgb '" // dark // "'", error)
       call put_lines(file, [character(60) :: &
          "unset multiplot", &
          "unset xlabel; unset ylabel; set yrange [*:*] noreverse"], error)

@@ -64,8 +64,7 @@ contains
       end do
       if (raised(error)) return
       if (source%count == 0) then
-         call refuse(error, file, 0, &
-            "holds no group; a scene has at least &scene and &bodies")
+         call refuse(error, file, 0, "holds no group; a scene has at least &scene and &bodies")
       end if
    end subroutine scan_source
 

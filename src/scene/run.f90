@@ -2,8 +2,7 @@
 module poinsot_scene_run
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised, clear
-   use poinsot_core_status, only: poinsot_e_memory, poinsot_e_method, poinsot_e_scene, &
-      poinsot_e_io
+   use poinsot_core_status, only: poinsot_e_memory, poinsot_e_method, poinsot_e_scene, poinsot_e_io
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
@@ -13,8 +12,7 @@ module poinsot_scene_run
    use poinsot_scene_drift, only: start_drift, follow_drift
    use poinsot_scene_files, only: make_folder, remove_file, file_exists
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
-   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, &
-      sum_of_kinds
+   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, sum_of_kinds
    use poinsot_scene_summary, only: run_report, write_summary
    use poinsot_scene_compare, only: compare_end
    use poinsot_scene_pictures, only: write_pictures, picture_files
@@ -101,9 +99,7 @@ contains
       call clear(closing)
       if (.not. raised(error)) call save_restart(scene, out, run, report, closing)
       if (.not. raised(closing)) then
-         call write_summary(out // "/summary.txt", scene, report, &
-            run%states, &
-            closing)
+         call write_summary(out // "/summary.txt", scene, report, run%states, closing)
       end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
@@ -145,9 +141,8 @@ contains
       report%method = scene%method
       report%splitting = scene%splitting
       if (is_auto(scene)) then
-         call raise(error, poinsot_e_method, scene%file // &
-            ": 'auto' is to be settled before the " // &
-                    "run (poinsot_study_auto)")
+         call raise(error, poinsot_e_method, &
+                    scene%file // ": 'auto' is to be settled before the run (poinsot_study_auto)")
          return
       end if
       call first_states(scene, run%states, error)
@@ -210,9 +205,8 @@ contains
       type(restart_state) :: saved
       if (len(scene%from) == 0) return
       if (index(scene%from, out // "/") == 1 .and. index(scene%from(len(out) + 2:), "/") == 0) then
-         call raise(error, poinsot_e_scene, scene%from // &
-            ": lies in the output folder, and the run " // &
-                    "would overwrite what it continues; choose another --out")
+         call raise(error, poinsot_e_scene, scene%from // ": lies in the output folder, and " // &
+                    "the run would overwrite what it continues; choose another --out")
          return
       end if
       call read_restart(scene%from, body_total(scene), kinds_of(scene), saved, error)

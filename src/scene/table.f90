@@ -86,8 +86,7 @@ contains
       end do
       if (k <= size(row) .or. verify(rest, blanks) > 0) then
          call refuse(error, file, line, "a row has " // text_of(size(row)) // &
-            " numbers: a time and " // &
-            text_of(size(row) - 1) // " values")
+                     " numbers: a time and " // text_of(size(row) - 1) // " values")
       end if
    end subroutine read_row
 

@@ -46,9 +46,8 @@ contains
          k = find_key(info, group%entries(i)%key)
          if (k == 0) then
             call refuse(error, file, group%entries(i)%line, "&" // group%name // &
-               ": unknown key " // &
-                        quoted(group%entries(i)%key) // "; the nearest known key is """ // &
-                        nearest_key(info, group%entries(i)%key) // """")
+                        ": unknown key " // quoted(group%entries(i)%key) // "; the nearest " // &
+                        "known key is """ // nearest_key(info, group%entries(i)%key) // """")
             return
          end if
          here = 0

@@ -113,13 +113,12 @@ contains
          if (length < 0) length = len(here%text) - here%at + 1
       end if
       if (length == 0 .and. value%repeats == 0) then
-         call complain(here, group, entry, ": " // quoted(word_at(here)) // " is not a value", &
-                       error)
+         call complain(here, group, entry, &
+                       ": " // quoted(word_at(here)) // " is not a value", error)
          return
       end if
       if (length > 0) then
-         call classify(here, here%text(here%at:here%at + length - 1), group, entry, &
-            value, error)
+         call classify(here, here%text(here%at:here%at + length - 1), group, entry, value, error)
       end if
       if (raised(error)) return
       value%repeats = max(value%repeats, 1)
