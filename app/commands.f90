@@ -2,7 +2,7 @@
 module app_commands
    use poinsot_scene_crew, only: run_crew
    use poinsot_core_nearest, only: nearest_name
-   use app_arguments, only: word, word_list, command_words
+   use app_arguments, only: word, word_list, command_words, is_option
    use app_codes, only: exit_ok, exit_usage
    use app_help, only: command, table, show_help, show_command_help
    use app_terminal, only: complain
@@ -50,7 +50,12 @@ contains
       case default
          continue
       end select
-      if (.not. any(table%name == name)) then
+      if (is_option(name)) then
+         call complain("unknown option '" // name // "'; there are --help and --version, " // &
+                       "others stand behind a command")
+         code = exit_usage
+         return
+      else if (.not. any(table%name == name)) then
          call complain("unknown command '" // name // "'; the nearest known one is '" // &
                        nearest_name(name(:min(len(name), 60)), table%name) // &
                        "' (poinsot --help shows all)")

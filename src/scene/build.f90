@@ -11,7 +11,7 @@ module poinsot_scene_build
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_names, only: effect_table, method_list, splitting_list, is_exact_method
    use poinsot_scene_typed_group, only: typed_group, meet, given, number_of, numbers_of, word_of, &
-      integer_of, complain
+      integer_of, plain, complain
    use poinsot_scene_bodies, only: build_bodies
    use poinsot_scene_effects, only: build_effects
    use poinsot_scene_schedule, only: step_total, output_count
@@ -299,7 +299,7 @@ contains
          if (numbers(i) >= 1 .and. numbers(i) <= real(body_total(scene), dp)) then
             if (abs(numbers(i) - aint(numbers(i))) <= 0) cycle
          end if
-         call complain(group, "bodies", "names body " // text_of(numbers(i)) // &
+         call complain(group, "bodies", "names body " // plain(numbers(i)) // &
                        "; the scene has bodies 1 to " // text_of(body_total(scene)), error)
          return
       end do

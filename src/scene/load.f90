@@ -2,7 +2,7 @@
 module poinsot_scene_load
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_e_io
-   use poinsot_scene_text, only: text_of
+   use poinsot_scene_text, only: reason_of, text_of
    use poinsot_scene_source, only: refuse
    implicit none(type, external)
    private
@@ -23,7 +23,7 @@ contains
       open (newunit=unit, file=file, access="stream", form="unformatted", action="read", &
             status="old", iostat=code, iomsg=reason)
       if (code /= 0) then
-         call raise(error, poinsot_e_io, file // ": cannot be opened: " // trim(reason))
+         call raise(error, poinsot_e_io, file // ": cannot be opened: " // reason_of(reason))
          return
       end if
       inquire (unit=unit, size=length)
@@ -34,7 +34,7 @@ contains
          allocate (character(length) :: text, stat=code)
          if (code == 0) read (unit, iostat=code, iomsg=reason) text
          if (code /= 0) then
-            call raise(error, poinsot_e_io, file // ": cannot be read: " // trim(reason))
+            call raise(error, poinsot_e_io, file // ": cannot be read: " // reason_of(reason))
          end if
       else
          call load_slowly(unit, text, error, file)

@@ -6,7 +6,7 @@ module poinsot_scene_restart
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene, poinsot_e_memory
    use poinsot_rotation_quaternion, only: unit_tolerance
-   use poinsot_scene_text, only: text_of, quoted
+   use poinsot_scene_text, only: reason_of, text_of, quoted
    use poinsot_scene_source, only: place
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    implicit none(type, external)
@@ -124,7 +124,7 @@ contains
       character(200) :: reason
       open (newunit=unit, file=path, action="read", status="old", iostat=code, iomsg=reason)
       if (code /= 0) then
-         call raise(error, poinsot_e_io, path // ": cannot be opened: " // trim(reason))
+         call raise(error, poinsot_e_io, path // ": cannot be opened: " // reason_of(reason))
          return
       end if
       call read_head(unit, path, bodies, kinds, state, error)
@@ -146,7 +146,7 @@ contains
       line = 0
       open (newunit=unit, file=path, action="read", status="old", iostat=code, iomsg=reason)
       if (code /= 0) then
-         call raise(error, poinsot_e_io, path // ": cannot be opened: " // trim(reason))
+         call raise(error, poinsot_e_io, path // ": cannot be opened: " // reason_of(reason))
          return
       end if
       call next(unit, path, magic, line, word, error)

@@ -13,6 +13,7 @@ module poinsot_scene_values
    public :: scan_list, scan_values
 
    integer(i8), parameter :: most_repeats = 100000000_i8
+   character(*), parameter :: blanks = " " // tab
    character(*), parameter :: ends = " ,/!&='""" // tab // newline !! what ends a bare value
 
 contains
@@ -83,14 +84,30 @@ contains
    !> Is this `key =` or `key(i) =`, not a value?
    logical function key_ahead(here)
       type(cursor), intent(in) :: here
-      integer :: at, length
+      integer :: at
       key_ahead = .false.
-      at = here%at
-      if (verify(here%text(at:at), letters) > 0) return
-      length = verify(here%text(at:), name_set // "( )" // tab) - 1
-      if (length < 0) return
-      key_ahead = here%text(at + length:at + length) == "="
+      if (verify(here%text(here%at:here%at), letters) > 0) return
+      at = after(here%text, here%at, name_set)
+      at = after(here%text, at, blanks)
+      if (at > len(here%text)) return
+      if (here%text(at:at) == "(") then
+         at = after(here%text, at + 1, "0123456789" // blanks)
+         if (at > len(here%text)) return
+         if (here%text(at:at) /= ")") return
+         at = after(here%text, at + 1, blanks)
+         if (at > len(here%text)) return
+      end if
+      key_ahead = here%text(at:at) == "="
    end function key_ahead
+
+   !> The first place from `at` on that holds none of a set.
+   pure integer function after(text, at, set)
+      character(*), intent(in) :: text, set
+      integer, intent(in) :: at
+      after = verify(text(at:), set)
+      if (after == 0) after = len(text) - at + 2
+      after = at + after - 1
+   end function after
 
    !> One value, with its repeat count.
    subroutine scan_value(here, group, entry, error)
