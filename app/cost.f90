@@ -113,8 +113,7 @@ contains
       end if
       if (study%stopped) call complain("asked to stop: what was measured until then is written")
       if (.not. options%quiet) call show_file(out // "/cost.txt")
-      if (options%pictures) call draw_pictures(cost_pictures(:merge(4, 3, size(study%drift) > 0)), &
-         out, options%quiet)
+      if (options%pictures) call draw_pictures(cost_pictures(study), out, options%quiet)
       if (.not. options%quiet) call say("written to " // out)
       code = merge(exit_usage, exit_ok, code == exit_usage)
    end subroutine measure

@@ -9,16 +9,14 @@ module poinsot_study_cost_files
    use poinsot_scene_summary, only: brief_number
    use poinsot_scene_text, only: text_of
    use poinsot_study_candidates, only: label_of
-   use poinsot_study_cost, only: cost_study, cost_request
+   use poinsot_study_cost_data, only: cost_study, cost_request, few
    use poinsot_study_cost_point, only: cost_point, cheapest, middle, worst, of_angle, of_momentum, &
-      of_both
+      of_both, slope_of
    use poinsot_study_efficient, only: frontier_part, frontier_parts
    use poinsot_study_rivals, only: rival_names, rival_time
    implicit none(type, external)
    private
    public :: write_points, write_members, write_report, write_drift_rows
-
-   integer, parameter :: few = 24   !! so many candidates are all shown
 
    character(*), parameter :: columns = "method,splitting,order,turns,steps,h," // &
       "angle_median,angle_worst,angle_own,momentum_median,momentum_worst,momentum_own," // &
@@ -311,7 +309,7 @@ contains
             write (line, "(a30, i6, a)") label_of(study%candidates(i)), study%candidates(i)%order, &
                "  no step was short enough"
          else
-            call slope_of(study, i, slope)
+            slope = slope_of(study%points, i)
             associate (p => study%points(points))
                write (line, &
                   "(a30, i6, f6.1, 3es10.1e2, f10.2, i7, a2, f12.1)") &
@@ -323,27 +321,5 @@ contains
          call put(file, trim(line), error)
       end do
    end subroutine put_curves
-
-   !> Slope of the median attitude error between the two finest points clear of rounding.
-   subroutine slope_of(study, candidate, slope)
-      type(cost_study), intent(in) :: study
-      integer, intent(in) :: candidate
-      real(dp), intent(out) :: slope
-      integer :: k, before, last
-      slope = 0
-      before = 0
-      last = 0
-      do k = 1, size(study%points)
-         associate (p => study%points(k))
-            if (p%candidate /= candidate .or. .not. p%good) cycle
-            if (p%angle(middle) > 0.03_dp .or. p%angle(middle) < 1e-13_dp) cycle
-            before = last
-            last = k
-         end associate
-      end do
-      if (before == 0) return
-      slope = log(study%points(before)%angle(middle)/study%points(last)%angle(middle))/ &
-              log(study%points(before)%h/study%points(last)%h)
-   end subroutine slope_of
 
 end module poinsot_study_cost_files
