@@ -32,10 +32,13 @@ contains
       type(cost_study), intent(out) :: study
       type(poinsot_error), intent(inout) :: error
       type(scene_settings) :: quiet
+      type(cost_request) :: mine
       type(climber), allocatable :: climbers(:)
       real(dp) :: begun
       integer :: i
       begun = wall_seconds()
+      mine = request
+      mine%budget = request%budget - request%reserve
       call quiet_scene(scene, quiet)
       call look_at(quiet, study%kind, error)
       if (.not. raised(error)) call list_candidates(quiet, study%kind, request%methods, &
@@ -45,7 +48,7 @@ contains
       if (raised(error)) return
       study%t_end = quiet%t_end
       call find_reference(quiet, study%kind, study%members, study%t_end, most_checks, &
-                          reference_share*request%budget, study%reference, error)
+                          reference_share*mine%budget, study%reference, error)
       if (raised(error)) return
       allocate (climbers(size(study%candidates)), study%points(0))
       do i = 1, size(climbers)
@@ -54,12 +57,12 @@ contains
          end associate
          if (raised(error)) return
       end do
-      call climb(request, begun, watch, climbers, study)
-      if (request%timed) call take_times(request, begun, watch, climbers, study)
+      call climb(mine, begun, watch, climbers, study)
+      if (mine%timed) call take_times(mine, begun, watch, climbers, study)
       call frontier(study%points, of_angle)
       call frontier(study%points, of_momentum)
       allocate (study%drift(0), study%rivals(0))
-      if (request%timed) call run_long(quiet, request, begun, watch, study, error)
+      if (mine%timed) call run_long(quiet, mine, begun, watch, study, error)
       study%seconds = wall_seconds() - begun
    end subroutine study_cost
 

@@ -17,6 +17,7 @@ module poinsot_study_cost_data
    type :: cost_request
       character(24), allocatable :: methods(:), splittings(:) !! size 0: all that apply
       real(dp) :: budget = 60                 !! seconds for everything
+      real(dp) :: reserve = 0                 !! of those left to the caller, to write and draw
       real(dp) :: spread = 0.3_dp !! of the initial states, radians; any_direction: uniform
       integer :: members = 2*lanes            !! initial states
       integer :: ensemble = 1024              !! bodies that are timed together
