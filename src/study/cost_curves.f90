@@ -15,7 +15,8 @@ module poinsot_study_cost_curves
    public :: find_curve, rows_of, shown_error, start_plot, put_axes, put_name, short_time
 
    real(dp), parameter, public :: least_shown = 1e-17_dp
-   real(dp), parameter :: near_rounding = 1e-9_dp, gain = 3
+   real(dp), parameter :: near_rounding = 1e-9_dp
+   real(dp), parameter :: gain(2) = [0.7_dp, 0.33_dp] !! of the last step; of several
 
 contains
 
@@ -33,13 +34,13 @@ contains
       last = end
       if (first == 0) return
       if (study%candidates(candidate)%order == 0) return ! exact at any step: there is no such end
-      do i = first, end - 2
+      do i = first, end - 1
          associate (p => study%points(i))
             if (.not. p%good .or. error_of(p, what, middle) > near_rounding) cycle
             least = minval(error_of(study%points(i + 1:end), what, middle), &
                            mask=study%points(i + 1:end)%good)
             last = i
-            if (least > error_of(p, what, middle)/gain) return
+            if (least > gain(min(2, end - i))*error_of(p, what, middle)) return
          end associate
       end do
       last = end
@@ -99,7 +100,7 @@ contains
       real(dp) :: limit
       limit = huge(limit)
       if (present(only_if_free)) then
-         if (only_if_free) limit = 30
+         if (only_if_free) limit = 6
       end if
       call place_label(labels, x, y, len(text) + merge(2, 0, style == "Bold"), curve, place, limit)
       if (.not. place%price < limit) return

@@ -14,6 +14,7 @@ module poinsot_study_cost_files
       of_both, error_of, slope_of
    use poinsot_study_efficient, only: frontier_part, frontier_parts
    use poinsot_study_rivals, only: rival_names, rival_time
+   use poinsot_study_statistics, only: median
    implicit none(type, external)
    private
    public :: write_points, write_members, write_report, write_drift_rows
@@ -157,6 +158,7 @@ contains
       real(dp), intent(in) :: tolerances(:)
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
+      real(dp) :: doubt
       call open_out(path, file, error)
       if (raised(error)) return
       call put(file, "scene         " // scene%name // " to t = " // text_of(study%t_end) // &
@@ -183,6 +185,9 @@ contains
          "energy        is not kept by the scene: its error is the " // &
                                           "distance from the reference, and no long run is made", &
                                              error)
+      doubt = max(median(study%reference%angle), median(study%reference%momentum))
+      if (any(tolerances < doubt)) call put(file, "doubt         errors below " // &
+         brief_number(doubt) // " are within the reference's own", error)
       call put_choices(file, study, tolerances, of_both, error)
       if (size(study%rivals) > 0) call put_rivals(file, study, tolerances, error)
       call put_curves(file, study, error)

@@ -10,7 +10,8 @@ module poinsot_study_labels
    real(dp), parameter :: wide = 1.6_dp        !! width of a picture over its height
    real(dp), parameter :: sample = 0.012_dp    !! distance of the points that stand for a curve
    real(dp), parameter :: led_from = 0.025_dp  !! names farther than this get a line to their curve
-   real(dp), parameter :: outside = 1000, on_name = 300, on_curve = 2, astray = 8
+   real(dp), parameter :: outside = 1000, on_name = 300, on_curve = 3, astray = 8
+   real(dp), parameter :: margin = 0.006_dp    !! between a name and a curve
 
    !> A logarithmic axis from one end of the picture to the other.
    type :: axis
@@ -132,7 +133,7 @@ contains
       real(dp), parameter :: aside(8) = [1, 1, 1, -1, -1, -1, 0, 0]
       real(dp), parameter :: above(8) = [-1, 0, 1, 1, 0, -1, -1, 1]
       real(dp) :: box(4), x, y, price, touch(2)
-      x = at(1) + aside(side)*(0.012_dp + 0.012_dp*ring)
+      x = at(1) + aside(side)*(merge(0.012_dp, 0.016_dp, abs(above(side)) > 0) + 0.012_dp*ring)
       if (aside(side) < 0) x = x - width
       if (abs(aside(side)) < 0.5_dp) x = x - 0.5_dp*width
       y = at(2) + above(side)*(merge(0.024_dp, 0.034_dp, abs(aside(side)) > 0.5_dp) + 0.032_dp*ring)
@@ -182,7 +183,7 @@ contains
             away = hypot(wide*max(0.0_dp, box(1) - p(1), p(1) - box(2)), &
                          max(0.0_dp, box(3) - p(2), p(2) - box(4)))
          end associate
-         if (.not. away > 0) price = price + on_curve
+         if (away < margin) price = price + on_curve
          if (list%owner(i) == curve) own = min(own, away)
          if (list%owner(i) /= curve) other = min(other, away)
       end do

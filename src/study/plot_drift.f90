@@ -37,9 +37,9 @@ contains
       x = axis(nice_below(0.9_dp*minval(study%drift%t)), nice_above(3*maxval(study%drift%t)))
       y = axis(nice_below(0.3_dp*max(minval(study%drift%median), 3*least_energy)), &
                nice_above(10*max(maxval(study%drift%median), least_energy)))
-      call start_plot(name, trim(scene%name) // ": energy in long runs", file, error)
-      call put_axes(file, x, y, "t", "largest error of the energy so far, relative (median of " // &
-                    text_of(study%members%n) // " states)", error)
+      call start_plot(name, trim(scene%name) // ": energy in long runs (median of " // &
+                      text_of(study%members%n) // " states)", file, error)
+      call put_axes(file, x, y, "t", "largest error of the energy so far, relative", error)
       call name_runs(file, study, from, x, y, error)
       call put(file, "file = 'drift.csv'", error)
       do k = 1, size(from) - 1

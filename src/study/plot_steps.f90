@@ -17,6 +17,8 @@ module poinsot_study_plot_steps
    private
    public :: write_steps
 
+   real(dp), parameter :: rounding = 1e-13_dp !! curves below this are rounding alone
+
 contains
 
    !> plot_NAME.gp. Error: POINSOT_E_IO.
@@ -66,6 +68,8 @@ contains
          call find_curve(study, k, of_angle, first, last)
          if (first == 0 .or. (last - first < 1 .and. study%candidates(k)%order > 0)) cycle
          if (.not. any(study%points(first:last)%good)) cycle
+         if (study%candidates(k)%order > 0 .and. &
+             .not. any(study%points(first:last)%angle(middle) > rounding)) cycle
          shown = [shown, k]
       end do
    end subroutine choose_shown

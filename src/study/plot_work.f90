@@ -66,6 +66,7 @@ contains
                     ", at t = " // short_time(study%t_end) // " (median of " // &
                     text_of(study%members%n) // " states, bars to the worst)", &
                     "time, ns per body and unit of simulated time", error)
+      call put(file, "unset mxtics", error) ! gnuplot sets them wrong on an axis that falls
       call put_doubt(file, study, picture, error)
       call name_all(file, study, picture, error)
       call put_curves(file, study, picture, rivals, error)
@@ -102,7 +103,7 @@ contains
       if (least(1) > most(1)) least = 1e-16_dp
       if (.not. most(1) > 0) most = 1
       picture%x = axis(nice_above(most(1)), nice_below(least(1))/3) ! accuracy grows to the right
-      picture%y = axis(nice_below(0.9_dp*least(2)), nice_above(most(2)))
+      picture%y = axis(0.6_dp*least(2), nice_above(most(2)))
    end subroutine work_axes
 
    !> Candidates on the frontier, from coarse to fine, each once.
