@@ -12,7 +12,8 @@ module app_commands
    use app_measured, only: command_properties, command_hard
    use app_choose, only: command_choose
    use app_reproduce, only: command_reproduce
-   use app_lists, only: command_methods, command_splittings, command_effects, command_scenes
+   use app_lists, only: command_methods, command_splittings, command_effects, command_keys, &
+      command_scenes
    implicit none(type, external)
    private
    public :: run_command
@@ -93,6 +94,8 @@ contains
          call command_splittings(words, code)
       case ("effects")
          call command_effects(words, code)
+      case ("keys")
+         call command_keys(words, code)
       case ("scenes")
          call command_scenes(words, code)
       case default

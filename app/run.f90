@@ -18,7 +18,7 @@ module app_run
    use poinsot_study_auto, only: settle
    use app_arguments, only: word, word_list, option_value, is_option
    use app_codes, only: exit_ok, exit_runtime, exit_usage, exit_of_run
-   use app_find_scene, only: find_scene, shipped_scenes
+   use app_find_scene, only: find_scene, missing_scene, shipped_scenes
    use app_progress, only: progress_watch
    use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
    implicit none(type, external)
@@ -150,9 +150,7 @@ contains
       integer :: i
       call find_scene(name, file, good)
       if (.not. good) then
-         call complain("there is no file '" // name // "' and no scene of that name; " // &
-                       "the nearest shipped one is '" // nearest_name(name(:min(len(name), 60)), &
-                       shipped_scenes) // "' (poinsot scenes lists them)")
+         call complain(missing_scene(name))
          return
       end if
       call read_source(file, source, error)

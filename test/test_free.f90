@@ -262,8 +262,8 @@ contains
          call worst_of_kind(name, kinds(k), cases, worst_y, worst_q, line)
          write (where_, "(i4)") line
          call check(error, max(worst_y, worst_q) <= allowed, &
-                    trim(name)//" on "//trim(kinds(k))// ": y "// text(worst_y)//", " // &
-                    "q "//text(worst_q)//" units of conditioning, line "//where_)
+                    trim(name)//" on "//trim(kinds(k))//": y "//text(worst_y)//", q "// &
+                    text(worst_q)//" units of conditioning, line "//where_)
          if (allocated(error)) return
       end do
    end subroutine judge_kinds

@@ -84,9 +84,9 @@ contains
             + 1.0e-12_dp*found%poisson, &
             trim(names(i))//" Poisson: "//text(found%poisson)//", "//text(other%poisson))
          if (allocated(error)) return
-         call check(error, abs(found%symplectic - other%symplectic) < 1.0e-17_dp + &
-                    1.0e-12_dp*found%symplectic, trim(names(i))//" " // &
-                    "symplectic: "//text(found%symplectic)// ", "//text(other%symplectic))
+         call check(error, abs(found%symplectic - other%symplectic) < &
+                    1.0e-17_dp + 1.0e-12_dp*found%symplectic, trim(names(i))// &
+                    " symplectic: "//text(found%symplectic)//", "//text(other%symplectic))
          if (allocated(error)) return
       end do
    end subroutine test_derivatives

@@ -35,7 +35,7 @@ contains
                   number_key("centre", 3, 3, "required", "length", &
                   "centre of mass from the fixed point, body frame"), &
                   number_key("weight", 1, 1, "1", "force", "mass times acceleration of gravity"), &
-                  number_key("up", 3, 3, "0 0 1", "direction", "upwards, in space; normalised")])
+                  number_key("up", 3, 3, "0,0,1", "direction", "upwards, in space; normalised")])
    end function describe_gravity
 
    !> Gravity from checked settings.

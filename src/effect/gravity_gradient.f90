@@ -38,9 +38,9 @@ contains
       allocate (info%keys, source=[ &
                   number_key("rate", 1, 1, "required", "radians per time", &
                   "mean motion sqrt(GM/R^3)"), &
-                  number_key("radial", 3, 3, "1 0 0", "direction", &
+                  number_key("radial", 3, 3, "1,0,0", "direction", &
                   "to or from the centre at t = 0, in space"), &
-                  number_key("normal", 3, 3, "0 0 1", "direction", &
+                  number_key("normal", 3, 3, "0,0,1", "direction", &
                   "normal of the orbit, in space, across radial"), &
                   text_key("orbit", "circular", "circular fixed", &
                   "does the radial direction turn with the orbit?")])

@@ -92,8 +92,8 @@ contains
             read (values(first:last), *, iostat=state) x
          end if
          if (state /= 0) then
-            call raise(error, poinsot_e_domain, "settings: '"//one%key//" " // &
-                       "= "//values//"': '"// values(first:last)// "' is not a number")
+            call raise(error, poinsot_e_domain, "settings: '" // one%key // " = " // values // &
+                       "': '" // values(first:last) // "' is not a number")
             return
          end if
          n = n + 1

@@ -38,7 +38,7 @@ contains
                      &in space: Q^T of it"
       info%check = "in space: angular momentum L = L0 + integral of the torque"
       allocate (info%keys, source=[ &
-                  number_key("value", 3, 3, "0 0 0", "torque", "the torque, or its amplitude"), &
+                  number_key("value", 3, 3, "0,0,0", "torque", "the torque, or its amplitude"), &
                   text_key("frame", "body", "body space", "the frame of value"), &
                   number_key("frequency", 1, 1, "0", "radians per time", &
                   "W of a harmonic torque"), &
