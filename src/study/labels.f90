@@ -6,7 +6,7 @@ module poinsot_study_labels
    public :: label_list, label_place, axis, place_label, take_curve, fraction_of
 
    integer, parameter :: most = 200
-   real(dp), parameter :: letter = 0.0108_dp, line_height = 0.031_dp
+   real(dp), parameter :: line_height = 0.031_dp
    real(dp), parameter :: wide = 1.6_dp        !! width of a picture over its height
    real(dp), parameter :: sample = 0.012_dp    !! distance of the points that stand for a curve
    real(dp), parameter :: led_from = 0.025_dp  !! names farther than this get a line to their curve
@@ -20,6 +20,7 @@ module poinsot_study_labels
 
    !> What is taken already: boxes of names, and points of curves.
    type :: label_list
+      real(dp) :: letter = 0.0108_dp   !! width of one
       integer :: boxes = 0
       real(dp) :: box(4, most) = 0     !! left, right, bottom, top
       integer :: points = 0
@@ -97,7 +98,7 @@ contains
       real(dp), intent(in), optional :: limit
       real(dp) :: width, at(2)
       integer :: i, side, ring, points
-      width = letter*length
+      width = list%letter*length
       points = size(x)
       do i = 1, 2*points - 1
          at = [x((i + 1)/2), y((i + 1)/2)] ! the points, and the middles between them
