@@ -9,7 +9,7 @@ module poinsot_study_labels
    real(dp), parameter :: line_height = 0.031_dp
    real(dp), parameter :: wide = 1.6_dp        !! width of a picture over its height
    real(dp), parameter :: sample = 0.012_dp    !! distance of the points that stand for a curve
-   real(dp), parameter :: led_from = 0.025_dp  !! names farther than this get a line to their curve
+   real(dp), parameter :: led_from = 0.045_dp  !! names farther than this get a line to their curve
    real(dp), parameter :: outside = 1000, on_name = 300, on_curve = 3, astray = 8
    real(dp), parameter :: margin = 0.006_dp    !! between a name and a curve
 
@@ -30,7 +30,8 @@ module poinsot_study_labels
 
    !> Where a name goes.
    type :: label_place
-      real(dp) :: x = 0, y = 0         !! left middle of the text
+      real(dp) :: x = 0, y = 0         !! left, middle or right end of the text, as `side` says
+      integer :: side = 1              !! of its point: 1 right, 0 above or below, -1 left
       real(dp) :: price = huge(1.0_dp) !! from 300: it lies on another
       logical :: led = .false.      !! far from its curve: a thin line leads there,
       real(dp) :: line(4) = 0          !! from (x, y) to (x, y)
@@ -115,7 +116,7 @@ contains
       end if
       if (list%boxes == most .or. .not. place%price < huge(1.0_dp)) return
       list%boxes = list%boxes + 1
-      list%box(:, list%boxes) = box_of(place%x, place%y, width)
+      list%box(:, list%boxes) = box_of(place%x - 0.5_dp*(1 - place%side)*width, place%y, width)
    end subroutine place_label
 
    pure function box_of(x, y, width) result(box)
@@ -149,7 +150,8 @@ contains
       touch = [min(max(at(1), box(1)), box(2)), min(max(at(2), box(3)), box(4))]
       if (ring > 0) price = price + crossings(list, at, touch)
       if (price >= place%price) return
-      place%x = x
+      place%side = nint(aside(side))
+      place%x = x + 0.5_dp*(1 - place%side)*width
       place%y = y
       place%price = price
       place%led = hypot(wide*(touch(1) - at(1)), touch(2) - at(2)) > led_from

@@ -190,11 +190,11 @@ contains
       call put(file, "set xrange [" // text_of(x%from) // ":" // text_of(x%to) // &
                "]; set yrange [" // text_of(y%from) // ":" // text_of(y%to) // "]", error)
       call name_curves(file, found, x, y, error)
-      call put(file, "plot 1 with lines lw 3 lc rgb '#c8c8c8', ", error)
+      call put(file, "plot 1 with lines lw 3 lc rgb '#c8c8c8', \", error)
       do m = 2, size(rotors)
          call put(file, "   file skip 1 using (stringcolumn(2) eq '" // trim(rotors(m)) // &
                   "' && $8 > 0 ? $1 : NaN):8 with linespoints pt " // text_of(strong_point(m)) // &
-                  " ps 0.8 lw 1.6 lc rgb '" // strong_colour(m) // "', ", error)
+                  " ps 0.8 lw 1.6 lc rgb '" // strong_colour(m) // "', \", error)
       end do
       call put(file, "   NaN notitle", error)
       call put_end(file, error)

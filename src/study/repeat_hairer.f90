@@ -197,7 +197,7 @@ contains
       type(label_list) :: labels
       real(dp), allocatable :: px(:), py(:)
       integer :: m
-      labels%letter = 2*labels%letter ! two pictures side by side: each is half as wide
+      labels%letter = 1.8_dp*labels%letter ! two pictures side by side: each is half as wide
       do m = 1, size(methods)
          call curve_in_picture(found, m, body, x, y, px, py)
          call take_curve(labels, px, py, m)
