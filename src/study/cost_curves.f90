@@ -96,6 +96,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       logical, intent(in), optional :: only_if_free
       type(label_place) :: place
+      character(6), parameter :: sides(-1:1) = [character(6) :: "right", "center", "left"]
       character(:), allocatable :: shown
       real(dp) :: limit
       limit = huge(limit)
@@ -106,8 +107,8 @@ contains
       if (.not. place%price < limit) return
       shown = text
       if (style /= "") shown = "{/:" // style // " " // text // "}"
-      call put(file, "set label '" // shown // "' at " // graph_place(place%x, place%y) // &
-               " tc rgb '" // colour // "' font ',10' front", error)
+      call put(file, "set label '" // shown // "' at " // graph_place(place%x, place%y) // " " // &
+               trim(sides(place%side)) // " tc rgb '" // colour // "' font ',10' front", error)
       if (place%led) call put(file, "set arrow from " // graph_place(place%line(1), place%line(2)) &
          // " to " // graph_place(place%line(3), place%line(4)) // &
          " nohead lw 0.6 lc rgb '" // colour // "' front", error)

@@ -6,10 +6,10 @@ module poinsot_study_labels
    public :: label_list, label_place, axis, place_label, take_curve, fraction_of
 
    integer, parameter :: most = 200
-   real(dp), parameter :: letter = 0.0108_dp, line_height = 0.031_dp
+   real(dp), parameter :: line_height = 0.031_dp
    real(dp), parameter :: wide = 1.6_dp        !! width of a picture over its height
    real(dp), parameter :: sample = 0.012_dp    !! distance of the points that stand for a curve
-   real(dp), parameter :: led_from = 0.025_dp  !! names farther than this get a line to their curve
+   real(dp), parameter :: led_from = 0.045_dp  !! names farther than this get a line to their curve
    real(dp), parameter :: outside = 1000, on_name = 300, on_curve = 3, astray = 8
    real(dp), parameter :: margin = 0.006_dp    !! between a name and a curve
 
@@ -20,6 +20,7 @@ module poinsot_study_labels
 
    !> What is taken already: boxes of names, and points of curves.
    type :: label_list
+      real(dp) :: letter = 0.0108_dp   !! width of one
       integer :: boxes = 0
       real(dp) :: box(4, most) = 0     !! left, right, bottom, top
       integer :: points = 0
@@ -29,7 +30,8 @@ module poinsot_study_labels
 
    !> Where a name goes.
    type :: label_place
-      real(dp) :: x = 0, y = 0         !! left middle of the text
+      real(dp) :: x = 0, y = 0         !! left, middle or right end of the text, as `side` says
+      integer :: side = 1              !! of its point: 1 right, 0 above or below, -1 left
       real(dp) :: price = huge(1.0_dp) !! from 300: it lies on another
       logical :: led = .false.      !! far from its curve: a thin line leads there,
       real(dp) :: line(4) = 0          !! from (x, y) to (x, y)
@@ -97,7 +99,7 @@ contains
       real(dp), intent(in), optional :: limit
       real(dp) :: width, at(2)
       integer :: i, side, ring, points
-      width = letter*length
+      width = list%letter*length
       points = size(x)
       do i = 1, 2*points - 1
          at = [x((i + 1)/2), y((i + 1)/2)] ! the points, and the middles between them
@@ -114,7 +116,7 @@ contains
       end if
       if (list%boxes == most .or. .not. place%price < huge(1.0_dp)) return
       list%boxes = list%boxes + 1
-      list%box(:, list%boxes) = box_of(place%x, place%y, width)
+      list%box(:, list%boxes) = box_of(place%x - 0.5_dp*(1 - place%side)*width, place%y, width)
    end subroutine place_label
 
    pure function box_of(x, y, width) result(box)
@@ -148,7 +150,8 @@ contains
       touch = [min(max(at(1), box(1)), box(2)), min(max(at(2), box(3)), box(4))]
       if (ring > 0) price = price + crossings(list, at, touch)
       if (price >= place%price) return
-      place%x = x
+      place%side = nint(aside(side))
+      place%x = x + 0.5_dp*(1 - place%side)*width
       place%y = y
       place%price = price
       place%led = hypot(wide*(touch(1) - at(1)), touch(2) - at(2)) > led_from

@@ -36,9 +36,10 @@ contains
       if (raised(error)) return
       call choose_shown(study, shown)
       call step_axes(study, shown, x, y)
-      call start_plot(name, trim(scene%name) // ": error against step, and slopes" // &
-                      either(" (exact rotation)", "", size(study%candidates) > few), file, error)
-      call put(file, "set label 'one colour an order' at graph 1, graph 1.05 right " // &
+      call start_plot(name, trim(scene%name) // ": error against step", file, error)
+      call put(file, "set label '" // &
+               either("exact rotation; ", "", size(study%candidates) > few) // &
+               "slopes beside the names, one colour an order' at graph 1, graph 1.05 right " // &
                "tc rgb '#606060' font ',10'", error)
       call put_axes(file, x, y, "step h", "error in attitude, radians, at t = " // &
                     short_time(study%t_end) // " (median)", error)

@@ -361,7 +361,7 @@ contains
       do k = 1, size(names)
          call rival_in_picture(study, trim(names(k)), picture, x, y)
          if (size(x) > 0) call put_name(file, trim(names(k)), "Italic", "#404040", x, y, &
-            rival_curve + k, picture%labels, error, .true.)
+            rival_curve + k, picture%labels, error)
       end do
    end subroutine name_rivals
 
