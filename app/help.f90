@@ -99,11 +99,19 @@ contains
             "holds the numbers behind each yes and no."])
       case ("hard")
          call put([character(100) :: &
-            "poinsot hard [--out DIR]", &
+            "poinsot hard [NAME] [--out DIR]", &
             "", &
             "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI units,", &
-            "...) through every method, a few seconds, and prints the worst errors in units of", &
-            "conditioning, refusals, and a verdict on each method. DIR/hard.csv holds the rest."])
+            "...) through every method, measures ten promises (other units, axes in any order,", &
+            "there and back, steps of any size, quaternions off unit norm, ...), and seven tops", &
+            "and fields in every splitting: the worst errors, refusals, and a verdict on each", &
+            "against its bound. A few seconds.", &
+            "", &
+            "   NAME        one case, method or splitting: every figure, bound and verdict of it", &
+            "   --out DIR   all of it in DIR/hard.csv", &
+            "", &
+            "docs/robustness.md says what each case is and where each method's limit lies. Exit", &
+            "code 3: a verdict is bad."])
       case ("methods")
          call put([character(100) :: &
             "poinsot methods", &

@@ -6,7 +6,7 @@ module test_properties
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_free_method, only: method_count
    use poinsot_study_defects, only: defects, measure_defects, plain_step
-   use poinsot_study_hard, only: hard_result, judge_kind
+   use poinsot_study_hard_kinds, only: hard_result, judge_kind
    use poinsot_study_hard_cases, only: hard_case, kind_names, cases_of_kind, make_case
    use poinsot_study_properties, only: method_properties, measure_method, holds
    use poinsot_study_taylor, only: judge_flow => taylor_flow, judge_conditioning => conditioning

@@ -476,7 +476,7 @@ contains
       do k = n, 1, -1 ! the last rows
          if (len(text) == 0) return
          first = index(text(:len(text) - 1), nl, back=.true.) + 1
-         read (text(first:), *) values
+         read (text(first:len(text) - 1), *) values
          q(:, k) = values(3:6)
          y(:, k) = values(7:9)
          text = text(:first - 1)
