@@ -6,8 +6,8 @@ module poinsot_core_nearest
 
 contains
 
-   !> The known name that begins with this one, of three letters or more; else that with the smallest
-   !> edit distance; the first of equals; "" if none is known.
+   !> The known name that begins with this one, of three letters or more; else that with the
+   !> smallest edit distance; the first of equals; "" if none is known.
    pure function nearest_name(name, known) result(nearest)
       character(*), intent(in) :: name     !! the unknown name, any case
       character(*), intent(in) :: known(:) !! the names that would be right

@@ -29,8 +29,8 @@ contains
       equals = index(text, "=")
       dot = index(text(:max(equals - 1, 0)), ".")
       if (dot < 2 .or. equals < dot + 2 .or. equals == len(text)) then
-         call refuse(error, place, 0, quoted(text) // " is not of the form group.key=value, as " // &
-                     "in scene.h=0.1")
+         call refuse(error, place, 0, quoted(text) // " is not of the form group.key=value, " // &
+                     "as in scene.h=0.1")
          return
       end if
       group = lower(trim(adjustl(text(:dot - 1))))
