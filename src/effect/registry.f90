@@ -1,6 +1,6 @@
 !> All effects by name: one row each, with its description and its constructor.
 !>
-!> A new effect is one file, one row in `effect_row` (and its place in `effect_count`), one test.
+!> A new effect is one file, one row in `effect_row` with its name in `effect_names`, one test.
 module poinsot_effect_registry
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
@@ -23,12 +23,11 @@ module poinsot_effect_registry
    private
    public :: effect_count, effect_names, describe_effect, effect_name, effect_number, make_effect
 
-   integer, parameter :: effect_count = 10 !! rows below
-
    !> Names of the rows, in their order.
-   character(18), parameter :: effect_names(effect_count) = [character(18) :: &
+   character(18), parameter :: effect_names(*) = [character(18) :: &
       "gravity", "field", "gravity_gradient", "spring", "torque", "drag", "langevin", "gyrostat", &
       "dipoles", "callback"]
+   integer, parameter :: effect_count = size(effect_names)
 
    abstract interface
       subroutine constructor(info, settings, made, error)
