@@ -65,7 +65,7 @@ contains
 
    !> What the registry knows of effect i, 1 to effect_count; every effect also has the key `class`.
    function describe_effect(i) result(info)
-      integer, intent(in) :: i
+      integer, intent(in) :: i !! 1 to effect_count
       type(effect_info) :: info
       procedure(constructor), pointer :: make
       call effect_row(i, info, make)
@@ -74,7 +74,7 @@ contains
 
    !> Name of effect i; "" outside 1 to effect_count.
    function effect_name(i) result(name)
-      integer, intent(in) :: i
+      integer, intent(in) :: i !! 1 to effect_count
       character(:), allocatable :: name
       type(effect_info) :: info
       info = describe_effect(i)
@@ -83,7 +83,7 @@ contains
 
    !> Number of an effect; 0 for an unknown name.
    integer function effect_number(name) result(i)
-      character(*), intent(in) :: name
+      character(*), intent(in) :: name !! of an effect
       do i = 1, effect_count
          if (effect_name(i) == name) return
       end do

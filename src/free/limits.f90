@@ -15,7 +15,7 @@ contains
    !> Lanes that turn faster than 1e70, or whose momentum is no number (what a kick can do), get
    !> POINSOT_E_DOMAIN and stand still with y = 0. The comparison cannot overflow itself.
    pure subroutine refuse_speed(class, y, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class !! of these bodies
       real(dp), intent(inout) :: y(lanes, 3)
       integer, intent(inout) :: status(lanes)
       real(dp) :: limit(3), good(lanes)

@@ -21,7 +21,7 @@ contains
    !> of that form; whether group and key exist is found out when the scene is built.
    subroutine override(text, source, error)
       character(*), intent(in) :: text               !! group.key=value
-      type(scene_source), intent(inout) :: source
+      type(scene_source), intent(inout) :: source    !! the scanned file
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: group
       type(scene_entry) :: entry

@@ -44,7 +44,7 @@ contains
    !> says that the run is not complete.
    !> With a crew, bodies are dealt out to its ranks; every rank calls, rank 0 writes.
    subroutine run_scene(scene, out, watch, report, error, crew)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene    !! the typed scene
       character(*), intent(in) :: out              !! folder for the output
       class(run_watch), intent(inout) :: watch     !! asked whether to go on, told how far it is
       type(run_report), intent(out) :: report      !! what the summary says
@@ -123,7 +123,7 @@ contains
 
    !> Can the scene be run? Makes the plan, runs nothing. Error: whatever the plan refuses.
    subroutine check_scene(scene, error)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       type(poinsot_error), intent(inout) :: error
       type(engine) :: trial
       call start_engine(scene, trial, error)

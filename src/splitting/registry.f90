@@ -33,7 +33,7 @@ contains
    !> name.
    pure subroutine find_splitting(name, scheme, error)
       character(*), intent(in) :: name
-      type(splitting), intent(out) :: scheme
+      type(splitting), intent(out) :: scheme !! its table
       type(poinsot_error), intent(inout) :: error
       character(len(scheme%name)) :: names(scheme_count)
       integer :: i
