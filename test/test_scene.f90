@@ -607,7 +607,10 @@ contains
       type(run_report) :: report
       character(:), allocatable :: text
       real(dp), allocatable :: y(:, :), q(:, :)
-      call load("heavy-top", "scene.h=1e-5;output.every=5;scene.splitting=strang", scene, failure)
+      !> Full blocks: so many body-steps that the watch is asked between outputs, in few block-steps.
+      character(*), parameter :: long_run = &
+         "scene.h=1e-3;output.every=5;scene.splitting=strang;bodies.count=96"
+      call load("heavy-top", long_run, scene, failure)
       if (.not. raised(failure)) call run_to(scene, "whole", y, q, failure)
       call run_scene(scene, output // "/first", watch, report, failure)
       call check(error,.not. raised(failure) .and. report%state == "interrupted", "not interrupted")
@@ -617,8 +620,8 @@ contains
       call slurp(output // "/first/summary.txt", text)
       call check(error, index(text, "interrupted") > 0, "the summary does not say so")
       if (allocated(error)) return
-      call load("heavy-top", "scene.h=1e-5;output.every=5;scene.splitting=strang;scene.from=" // &
-                output // "/first/restart.txt", scene, failure)
+      call load("heavy-top", long_run // ";scene.from=" // output // "/first/restart.txt", scene, &
+                failure)
       if (.not. raised(failure)) call run_to(scene, "second", y, q, failure)
       call check(error,.not. raised(failure), "the continuation failed")
       if (.not. allocated(error)) call same_parts("the interrupted top", error)
