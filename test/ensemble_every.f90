@@ -4,7 +4,7 @@ module test_ensemble_every
    use testdrive, only: unittest_type, new_unittest, error_type, check
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_ok
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_effect_registry, only: effect_count, effect_names
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_coupled, only: torque_callback
@@ -61,7 +61,8 @@ contains
          new_unittest("every-effect-is-here", test_names), &
          new_unittest("every-method-and-effect-bits", test_effects), &
          new_unittest("every-method-and-callback-bits", test_callbacks), &
-         new_unittest("every-splitting-bits", test_splittings)]
+         new_unittest("every-splitting-bits", test_splittings), &
+         new_unittest("no-rotor-on-a-linear-body", test_linear_rotor)]
    end subroutine collect_every
 
    !> A new effect needs a row here.
@@ -106,6 +107,24 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_splittings
+
+   !> A rotor would give a linear body momentum about its axis, where it has no moment.
+   subroutine test_linear_rotor(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(poinsot_plan) :: plan
+      type(poinsot_error) :: problem
+      call mixed_plan(plan)
+      call with_effect(plan, "gyrostat", "rotor = 0.1, 0.3, 0")
+      call make_ready(plan, problem)
+      call check(error, problem%code == poinsot_e_domain .and. .not. plan%ready, &
+         "a linear body with a rotor")
+      if (allocated(error)) return
+      problem = poinsot_error()
+      call mixed_plan(plan)
+      call with_effect(plan, "gyrostat", "rotor = 0, 0, 0")
+      call make_ready(plan, problem)
+      call check(error, .not. raised(problem), "a rotor at rest is none")
+   end subroutine test_linear_rotor
 
    !> All comparisons for one plan. Bodies that act on each other stay in their order, and together. A
    !> processor works at both ends of each call, so there calls must be the same ones.

@@ -623,10 +623,8 @@ contains
       type(run_report) :: report
       character(:), allocatable :: text, settings
       real(dp), allocatable :: y(:, :), q(:, :)
-      settings = "scene.h=1e-5;output.every=5;scene.splitting=" // splitting
-      if (splitting == "takahashi-imada") then ! many bodies, so that chunks are short
-         settings = "bodies.count=200;scene.h=0.002;output.every=10;scene.splitting=" // splitting
-      end if
+      ! bodies enough for chunks of some steps
+      settings = "bodies.count=200;scene.h=0.002;output.every=10;scene.splitting=" // splitting
       call load("heavy-top", settings, scene, failure)
       if (.not. raised(failure)) call run_to(scene, "whole", y, q, failure)
       call run_scene(scene, output // "/first", watch, report, failure)
