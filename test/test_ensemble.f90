@@ -23,6 +23,7 @@ module test_ensemble
    use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, &
       same_bits, turned_tensor
    use test_ensemble_bits, only: collect_bits
+   use test_ensemble_every, only: collect_every
    implicit none(type, external)
    private
    public :: collect_ensemble
@@ -43,7 +44,7 @@ contains
 
    subroutine collect_ensemble(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: bits(:)
+      type(unittest_type), allocatable :: bits(:), every(:)
       testsuite = [ &
          new_unittest("momentum-variables-mean-what-they-say", test_variables), &
          new_unittest("momentum-variables-move-alike", test_alike), &
@@ -59,7 +60,8 @@ contains
          new_unittest("settings-in-a-text", test_settings), &
          new_unittest("names-are-those-of-the-rows", test_names)]
       call collect_bits(bits)
-      testsuite = [testsuite, bits]
+      call collect_every(every)
+      testsuite = [testsuite, bits, every]
    end subroutine collect_ensemble
 
    !> A body's state in one of the five variables, by the algebra of room rotation; axes: the

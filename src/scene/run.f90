@@ -23,6 +23,7 @@ module poinsot_scene_run
 
    real(dp), parameter :: first_chunk = 1e5_dp  !! body-steps before the first look at the watch
    real(dp), parameter :: short = 0.05_dp, long = 0.4_dp !! seconds between two looks
+   integer(i8), parameter :: processed_chunk = 64 !! at least: its processor costs some steps
    real(dp), parameter :: near = 1e-12_dp
 
    !> Everything a run holds.
@@ -293,7 +294,9 @@ contains
       if (done >= part%steps) t = part%to
    end function time_in
 
-   !> The steps of one piece, in chunks between looks at the watch.
+   !> The steps of one piece, in chunks between looks at the watch. Bits do not depend on where
+   !> chunks end, but for a splitting with a processor, which works at both ends of each: there their
+   !> length is fixed, and no matter of the clock.
    subroutine march_piece(scene, part, done, run, watch, crew, report, error)
       type(scene_settings), intent(in) :: scene
       type(piece), intent(in) :: part
@@ -305,8 +308,11 @@ contains
       type(poinsot_error), intent(inout) :: error
       integer(i8) :: steps, most
       real(dp) :: begun, origin
+      logical :: processed
       origin = part%from - real(run%step - done, dp)*part%h
-      most = max(1_i8, int(first_chunk/real(body_total(scene), dp), i8))
+      processed = size(run%engine%plan%splitting%enter) > 0
+      most = max(merge(processed_chunk, 1_i8, processed), &
+         int(first_chunk/real(body_total(scene), dp), i8))
       do while (done < part%steps)
          ! what depends on a clock or a signal is rank 0's to say
          if (watch%stop_now()) most = -most
@@ -318,9 +324,10 @@ contains
          call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error, crew)
          begun = wall_clock() - begun
          report%stepping = report%stepping + begun
-         ! bits do not depend on where calls end
-         if (begun < short .and. steps == most) most = 2*most
-         if (begun > long) most = max(1_i8, most/2)
+         if (.not. processed) then
+            if (begun < short .and. steps == most) most = 2*most
+            if (begun > long) most = max(1_i8, most/2)
+         end if
          if (raised(error)) return
          done = done + steps
          run%step = run%step + steps

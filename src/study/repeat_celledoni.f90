@@ -186,7 +186,7 @@ contains
          "tc rgb '#606060' font ',10'", &
          "set label 'fast spin, weak torque' at graph 0.99, graph 0.03 right " // &
          "tc rgb '#606060' font ',10'", &
-         "set label '1: exact' at graph 0.99, first 1.07 right tc rgb '#606060' font ',10'"], error)
+         "set label '1: exact' at graph 0.99, first 1.13 right tc rgb '#606060' font ',10'"], error)
       call put(file, "set xrange [" // text_of(x%from) // ":" // text_of(x%to) // &
                "]; set yrange [" // text_of(y%from) // ":" // text_of(y%to) // "]", error)
       call name_curves(file, found, x, y, error)

@@ -135,7 +135,8 @@ contains
       slope = 0
       associate (off => found%attitude(:, m, body))
          do k = 2, size(off)
-            if (off(k) > 3e-13_dp .and. off(k - 1) < 0.1_dp) slope = log(off(k - 1)/off(k))/log(2.0_dp)
+            if (off(k - 1) > 0.1_dp .or. .not. off(k - 1) > off(k)) cycle ! 0: it did not come through
+            if (off(k) > 3e-13_dp) slope = log(off(k - 1)/off(k))/log(2.0_dp)
          end do
       end associate
    end function slope_of
