@@ -615,7 +615,7 @@ contains
       type(run_report) :: report
       character(:), allocatable :: text
       real(dp), allocatable :: y(:, :), q(:, :)
-      !> Full blocks: so many body-steps that the watch is asked between outputs, in few block-steps.
+      !> Full blocks: so many body-steps that the watch is asked between outputs, in a short time.
       character(*), parameter :: long_run = &
          "scene.h=1e-3;output.every=5;scene.splitting=strang;bodies.count=96"
       call load("heavy-top", long_run, scene, failure)
