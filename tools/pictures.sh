@@ -38,7 +38,7 @@ for figure in hairer-vilmart fasso celledoni; do
 done
 for scene in heavy-top free-body; do
    $app cost $scene --budget "$budget" --no-pictures --quiet --out $work/$scene-cost
-   draw $scene-cost attitude_cost $scene-cost 820
+   draw $scene-cost attitude_cost $scene-cost 800
    draw $scene-cost attitude_step $scene-steps
    draw $scene-cost energy_drift $scene-energy
    cat $work/$scene-cost/cost.txt
