@@ -62,7 +62,7 @@ contains
       if (options%budget /= "") call seconds_of("cost", options%budget, request%budget, good)
       request%reserve = min(0.1_dp*request%budget, merge(to_draw, to_write, options%pictures))
       if (good .and. options%tol /= "") call numbers_in("cost", "--tol", options%tol, 1e-17_dp, &
-                                                        1.0_dp, tolerances, good)
+         1.0_dp, tolerances, good)
       if (good .and. options%states /= "") then
          call numbers_in("cost", "--states", options%states, 1.0_dp, 1e5_dp, states, good)
          if (good) request%members = nint(states(1))

@@ -11,6 +11,7 @@ module test_hard
       all_orders, unmoved, &
       largest_rate, last_truth
    use test_hard_faults, only: collect_hard_faults
+   use test_hard_symmetry, only: collect_hard_symmetry
    use test_hard_tops, only: collect_hard_tops
    use test_measure, only: attitude_distance, momentum_distance
    implicit none(type, external)
@@ -24,9 +25,10 @@ contains
 
    subroutine collect_hard(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: tops(:), faults(:)
+      type(unittest_type), allocatable :: tops(:), faults(:), symmetry(:)
       call collect_hard_tops(tops)
       call collect_hard_faults(faults)
+      call collect_hard_symmetry(symmetry)
       testsuite = [ &
          new_unittest("separatrix", test_separatrix), &
          new_unittest("kinds-of-body", test_kinds), &
@@ -36,7 +38,7 @@ contains
          new_unittest("there-and-back", test_back), &
          new_unittest("moments-a-rounding-too-wide", test_too_wide), &
          new_unittest("rest-and-denormals", test_rest), &
-         tops, faults]
+         tops, symmetry, faults]
    end subroutine collect_hard
 
    !> The same with more orders of the axes and more steps.

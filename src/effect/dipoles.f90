@@ -49,7 +49,7 @@ contains
                   "three numbers per body, in the order of bodies"), &
                   number_key("spacing", 1, 1, "1", "length", &
                   "without positions: distance along a chain"), &
-                  number_key("axis", 3, 3, "1 0 0", "direction", &
+                  number_key("axis", 3, 3, "1,0,0", "direction", &
                   "without positions: direction of the chain")])
    end function describe_dipoles
 

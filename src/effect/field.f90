@@ -48,7 +48,7 @@ contains
                   number_key("frequency", 1, 1, "0", "radians per time", &
                   "W of a rotating or oscillating field"), &
                   number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
-                  number_key("axis", 3, 3, "0 0 1", "direction", &
+                  number_key("axis", 3, 3, "0,0,1", "direction", &
                   "axis of a rotating field, in space; normalised")])
    end function describe_field
 

@@ -7,8 +7,8 @@ module poinsot_effect_registry
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: nearest_name
    use poinsot_effect_effect, only: effect
-   use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, check_keys, &
-      get_value
+   use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, &
+      check_keys, get_value
    use poinsot_effect_gravity, only: describe_gravity, make_gravity
    use poinsot_effect_field, only: describe_field, make_field
    use poinsot_effect_gravity_gradient, only: describe_gravity_gradient, make_gravity_gradient
@@ -115,9 +115,9 @@ contains
       end if
       call effect_row(i, info, make)
       if (.not. associated(make)) then
-         call raise(error, poinsot_e_domain, "effect '" // trim(name) // &
-            "' is a program's own torque: " // &
-                    "extend user_torque or user_potential (Fortran) or pass a callback (C)")
+         call raise(error, poinsot_e_domain, &
+                    "effect '" // trim(name) // "' is a program's own torque: extend " // &
+                    "user_torque or user_potential (Fortran) or pass a callback (C)")
          return
       end if
       info%keys = [info%keys, class_key()]

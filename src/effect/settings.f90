@@ -86,9 +86,8 @@ contains
          k = find_key(info, settings(i)%key)
          if (k == 0) then
             call raise(error, poinsot_e_method, "effect '" // trim(info%name) // &
-               "': unknown key '" // &
-               settings(i)%key // "'; the nearest known key is '" // &
-               nearest_name(settings(i)%key, info%keys%name) // "'")
+                       "': unknown key '" // settings(i)%key // "'; the nearest known key is '" // &
+                       nearest_name(settings(i)%key, info%keys%name) // "'")
             return
          end if
          do j = 1, i - 1
@@ -132,8 +131,8 @@ contains
          write (least, "(i0)") key%least
          write (most, "(i0)") key%most
          if (key%most < 0) most = "more"
-         call refuse(info, key, "takes " // trim(least) // " to " // trim(most) // " numbers", &
-            error)
+         call refuse(info, key, &
+                     "takes " // trim(least) // " to " // trim(most) // " numbers", error)
          error%code = poinsot_e_size
       else if (.not. all(ieee_is_finite(given%values))) then
          call refuse(info, key, "has a value that is not finite", error)
@@ -216,8 +215,8 @@ contains
          values = values/largest
          direction = values/norm2(values)
       else
-         call refuse(info, info%keys(find_key(info, key)), "is a direction and must not be zero", &
-            error)
+         call refuse(info, info%keys(find_key(info, key)), &
+                     "is a direction and must not be zero", error)
       end if
    end subroutine get_direction
 

@@ -33,9 +33,9 @@ contains
       info%check = "libration sqrt(stiffness/I)"
       allocate (info%keys, source=[ &
                   number_key("stiffness", 1, 1, "required", "energy", "strength of the spring"), &
-                  number_key("axis", 3, 3, "0 0 1", "direction", &
+                  number_key("axis", 3, 3, "0,0,1", "direction", &
                   "the axis it aligns, body frame; normalised"), &
-                  number_key("direction", 3, 3, "0 0 1", "direction", &
+                  number_key("direction", 3, 3, "0,0,1", "direction", &
                   "what it aligns it with, in space; normalised")])
    end function describe_spring
 

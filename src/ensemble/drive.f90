@@ -50,8 +50,8 @@ contains
       class(block_job), intent(inout) :: job
       class(block_job), allocatable :: mine          !! a thread's own copy: jobs have work space
       type(host_arrays) :: host
-      integer :: k, chunks, team
-      logical :: failed
+      integer :: k, chunks, team, state
+      logical :: failed, short
 
       chunks = chunk_count(view%n)
       team = 1
@@ -64,21 +64,30 @@ contains
       end if
       call open_host(view, momentum, host)
       host%wants_id = job%wants_id
-      if (team == 1) then
+      short = .false.
+      if (team > 1) then
+         !$omp parallel num_threads(team) default(none) reduction(.or.: failed) &
+         !$omp shared(classes, axes, job, chunks, short) firstprivate(host) private(k, mine, state)
+         allocate (mine, source=job, stat=state)
+         if (state /= 0) then
+            !$omp atomic write
+            short = .true.
+         end if
+         !$omp barrier
+         if (.not. short) then
+            !$omp do schedule(static)
+            do k = 1, chunks
+               call run_chunk(host, classes, axes, mine, k, failed)
+            end do
+            !$omp end do
+         end if
+         if (allocated(mine)) deallocate (mine)
+         !$omp end parallel
+      end if
+      if (team == 1 .or. short) then ! short of memory for the others: one thread does it all
          do k = 1, chunks
             call run_chunk(host, classes, axes, job, k, failed)
          end do
-      else
-         !$omp parallel num_threads(team) default(none) reduction(.or.: failed) &
-         !$omp shared(classes, axes, job, chunks) firstprivate(host) private(k, mine)
-         allocate (mine, source=job)
-         !$omp do schedule(static)
-         do k = 1, chunks
-            call run_chunk(host, classes, axes, mine, k, failed)
-         end do
-         !$omp end do
-         deallocate (mine)
-         !$omp end parallel
       end if
       status = merge(poinsot_e_partial, poinsot_ok, failed)
    end function for_each_block

@@ -64,8 +64,7 @@ contains
       end do
       drift%total_size = max(drift%total_size, sum(abs(kinetic)) + sum(abs(potential)))
       drift%energy_change = max(drift%energy_change, &
-                                relative(sum(kinetic) + sum(potential) - drift%total, &
-                                   drift%total_size))
+         relative(sum(kinetic) + sum(potential) - drift%total, drift%total_size))
    end subroutine follow_drift
 
    !> |v| without leaving the range of numbers.

@@ -143,9 +143,8 @@ contains
    subroutine no_room(file, error)
       type(out_file), intent(in) :: file
       type(poinsot_error), intent(inout) :: error
-      call raise(error, poinsot_e_io, file%path // &
-         ": cannot be written to its end: is the disk full? " // &
-                 "What there is of it is called " // file%path // unfinished)
+      call raise(error, poinsot_e_io, file%path // ": cannot be written to its end: is the " // &
+                 "disk full? What there is of it is called " // file%path // unfinished)
    end subroutine no_room
 
    !> What is written so far to the disk. Error: POINSOT_E_IO.
@@ -170,8 +169,8 @@ contains
       if (code /= 0) then
          call no_room(file, error)
       else if (c_rename(file%path // unfinished // c_null_char, file%path // c_null_char) /= 0) then
-         call raise(error, poinsot_e_io, file%path // ": cannot be renamed from " // file%path // &
-                    unfinished)
+         call raise(error, poinsot_e_io, &
+                    file%path // ": cannot be renamed from " // file%path // unfinished)
       end if
    end subroutine finish_out
 

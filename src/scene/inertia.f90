@@ -70,11 +70,9 @@ contains
       character(:), allocatable :: name
       name = word_of(group, "shape")
       if (shape_sizes(name) < 0) then
-         call complain(group, "shape", "= " // quoted(name) // &
-            ": unknown shape; the nearest known " // &
-                       "one is """ // nearest_name(name(:min(len(name), 60)), shape_names()) // &
-                          """", &
-                       error)
+         call complain(group, "shape", &
+                       "= " // quoted(name) // ": unknown shape; the nearest known one is """ // &
+                       nearest_name(name(:min(len(name), 60)), shape_names()) // """", error)
          return
       end if
       call numbers_of(group, "size", values)

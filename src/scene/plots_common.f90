@@ -1,13 +1,13 @@
-!> What the plot scripts share: terminals, columns of the trajectory, the sphere and its projection.
+!> What the plot scripts share: terminals, colours, columns of the trajectory.
 module poinsot_scene_plots_common
-   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error
    use poinsot_scene_text, only: text_of
    use poinsot_scene_files, only: out_file, put
    use poinsot_scene_settings, only: scene_settings, body_total
    implicit none(type, external)
    private
-   public :: put_lines, put_start, put_end, put_columns, put_sphere, written_bodies, first_group
+   public :: put_lines, put_start, put_end, put_columns, written_bodies, first_group
 
    character(*), parameter, public :: dark = "#1f3f66"   !! what the picture is about
    character(*), parameter, public :: pale = "#b4c2d2"   !! the same on the far side
@@ -101,24 +101,5 @@ contains
          "q23(a,b,c,d) = 2*(c*d - a*b)", &
          "q33(a,b,c,d) = 1 - 2*(b*b + c*c)"], error)
    end subroutine put_columns
-
-   !> The unit sphere seen from (azimuth, height) in degrees: projection, depth, and a wire frame
-   !> `wires` to begin a plot with.
-   subroutine put_sphere(file, azimuth, height, error)
-      type(out_file), intent(in) :: file
-      integer, intent(in) :: azimuth, height    !! where the eye is
-      type(poinsot_error), intent(inout) :: error
-      call put(file, "az = " // text_of(azimuth) // "*pi/180; el = " // text_of(height) // &
-               "*pi/180   # where the eye is", error)
-      call put_lines(file, [character(100) :: &
-         "px(x,y,z) = -sin(az)*x + cos(az)*y", &
-         "py(x,y,z) = -cos(az)*sin(el)*x - sin(az)*sin(el)*y + cos(el)*z", &
-         "depth(x,y,z) = cos(az)*cos(el)*x + sin(az)*cos(el)*y + sin(el)*z", &
-         "near(x,y,z) = depth(x,y,z) >= 0 ? px(x,y,z) : NaN", &
-         "far(x,y,z) = depth(x,y,z) < 0 ? px(x,y,z) : NaN", &
-         "set size ratio -1; unset border; unset tics; unset key", &
-         "set xrange [-1.18:1.18]; set yrange [-1.18:1.18]; set samples 361"], error)
-      call put(file, "wire(side) = side == 0 ? '#efefef' : '#d9d9d9'", error)
-   end subroutine put_sphere
 
 end module poinsot_scene_plots_common

@@ -5,8 +5,7 @@ module poinsot_scene_plots_ensemble
    use poinsot_scene_text, only: text_of
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_settings, only: scene_settings
-   use poinsot_scene_plots_common, only: put_lines, put_start, put_end, first_group, dark, pale, &
-      grey
+   use poinsot_scene_plots_common, only: put_lines, put_start, put_end, first_group
    implicit none(type, external)
    private
    public :: write_temperature, write_momenta, wanted_temperature
@@ -54,8 +53,8 @@ contains
          "set key bottom right reverse Left; set border 3; set tics nomirror out", &
          "set xlabel 't'; set ylabel 'temperature of each axis / wanted one'", &
          "set autoscale xfix; set yrange [0:1.4]", &
-         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lc rgb '#b0b0b0' dt 2"], &
-            error)
+         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead " // &
+         "lc rgb '#b0b0b0' dt 2"], error)
       call put_lines(file, [character(160) :: &
          "plot file skip 1 using 1:(i1 > 0 ? $7**2/i1/kt : NaN) smooth unique title 'axis 1' " // &
          "with lines lc rgb '#1f3f66' lw 2, \", &

@@ -2,8 +2,7 @@
 module poinsot_scene_run
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised, clear
-   use poinsot_core_status, only: poinsot_e_memory, poinsot_e_method, poinsot_e_scene, &
-      poinsot_e_io
+   use poinsot_core_status, only: poinsot_e_memory, poinsot_e_method, poinsot_e_scene, poinsot_e_io
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
@@ -13,8 +12,7 @@ module poinsot_scene_run
    use poinsot_scene_drift, only: start_drift, follow_drift
    use poinsot_scene_files, only: make_folder, remove_file, file_exists
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
-   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, &
-      sum_of_kinds
+   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, sum_of_kinds
    use poinsot_scene_summary, only: run_report, write_summary
    use poinsot_scene_compare, only: compare_end
    use poinsot_scene_pictures, only: write_pictures, picture_files
@@ -25,6 +23,7 @@ module poinsot_scene_run
 
    real(dp), parameter :: first_chunk = 1e5_dp  !! body-steps before the first look at the watch
    real(dp), parameter :: short = 0.05_dp, long = 0.4_dp !! seconds between two looks
+   integer(i8), parameter :: processed_chunk = 64 !! at least: its processor costs some steps
    real(dp), parameter :: near = 1e-12_dp
 
    !> Everything a run holds.
@@ -101,9 +100,7 @@ contains
       call clear(closing)
       if (.not. raised(error)) call save_restart(scene, out, run, report, closing)
       if (.not. raised(closing)) then
-         call write_summary(out // "/summary.txt", scene, report, &
-            run%states, &
-            closing)
+         call write_summary(out // "/summary.txt", scene, report, run%states, closing)
       end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
@@ -145,9 +142,8 @@ contains
       report%method = scene%method
       report%splitting = scene%splitting
       if (is_auto(scene)) then
-         call raise(error, poinsot_e_method, scene%file // &
-            ": 'auto' is to be settled before the " // &
-                    "run (poinsot_study_auto)")
+         call raise(error, poinsot_e_method, &
+                    scene%file // ": 'auto' is to be settled before the run (poinsot_study_auto)")
          return
       end if
       call first_states(scene, run%states, error)
@@ -210,9 +206,8 @@ contains
       type(restart_state) :: saved
       if (len(scene%from) == 0) return
       if (index(scene%from, out // "/") == 1 .and. index(scene%from(len(out) + 2:), "/") == 0) then
-         call raise(error, poinsot_e_scene, scene%from // &
-            ": lies in the output folder, and the run " // &
-                    "would overwrite what it continues; choose another --out")
+         call raise(error, poinsot_e_scene, scene%from // ": lies in the output folder, and " // &
+                    "the run would overwrite what it continues; choose another --out")
          return
       end if
       call read_restart(scene%from, body_total(scene), kinds_of(scene), saved, error)
@@ -299,7 +294,9 @@ contains
       if (done >= part%steps) t = part%to
    end function time_in
 
-   !> The steps of one piece, in chunks between looks at the watch.
+   !> The steps of one piece, in chunks between looks at the watch. Bits do not depend on where
+   !> chunks end, but for a splitting with a processor, which works at both ends of each: there their
+   !> length is fixed, and no matter of the clock.
    subroutine march_piece(scene, part, done, run, watch, crew, report, error)
       type(scene_settings), intent(in) :: scene
       type(piece), intent(in) :: part
@@ -311,8 +308,11 @@ contains
       type(poinsot_error), intent(inout) :: error
       integer(i8) :: steps, most
       real(dp) :: begun, origin
+      logical :: processed
       origin = part%from - real(run%step - done, dp)*part%h
-      most = max(1_i8, int(first_chunk/real(body_total(scene), dp), i8))
+      processed = size(run%engine%plan%splitting%enter) > 0
+      most = max(merge(processed_chunk, 1_i8, processed), &
+         int(first_chunk/real(body_total(scene), dp), i8))
       do while (done < part%steps)
          ! what depends on a clock or a signal is rank 0's to say
          if (watch%stop_now()) most = -most
@@ -324,9 +324,10 @@ contains
          call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error, crew)
          begun = wall_clock() - begun
          report%stepping = report%stepping + begun
-         ! bits do not depend on where calls end
-         if (begun < short .and. steps == most) most = 2*most
-         if (begun > long) most = max(1_i8, most/2)
+         if (.not. processed) then
+            if (begun < short .and. steps == most) most = 2*most
+            if (begun > long) most = max(1_i8, most/2)
+         end if
          if (raised(error)) return
          done = done + steps
          run%step = run%step + steps

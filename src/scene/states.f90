@@ -40,8 +40,8 @@ contains
       if (code == 0) allocate (states%group(n), stat=code)
       if (code == 0) allocate (states%status(n), stat=code)
       if (code /= 0) then
-         call raise(error, poinsot_e_memory, scene%file // ": no memory for " // text_of(n) // &
-                    " bodies")
+         call raise(error, poinsot_e_memory, &
+                    scene%file // ": no memory for " // text_of(n) // " bodies")
          return
       end if
       states%n = n

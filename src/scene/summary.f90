@@ -104,8 +104,7 @@ contains
       body_steps = real(report%steps, dp)*real(body_total(scene), dp)
       if (body_steps > 0) then
          call row(file, "speed", &
-            brief_number(report%stepping*1e9_dp/body_steps) // &
-            " ns per body-step", error)
+                  brief_number(report%stepping*1e9_dp/body_steps) // " ns per body-step", error)
       end if
    end subroutine put_time
 
@@ -117,8 +116,7 @@ contains
       call put(file, "", error)
       call put(file, "largest change at an output, relative" // &
                trim(merge(" (a free body keeps all of them)        ", &
-                          " (with effects, some need not stay)     ", size(scene%effects) == 0)), &
-                             error)
+               " (with effects, some need not stay)     ", size(scene%effects) == 0)), error)
       call row(file, "  energy H", brief_number(report%drift%energy_change), error)
       call row(file, "  |y| (Casimir C)", brief_number(report%drift%casimir_change), error)
       call row(file, "  Q y, all of it", brief_number(report%drift%momentum_change), error)
@@ -141,9 +139,8 @@ contains
          call row(file, "  q", brief_number(report%error_q), error)
          call put(file, "", error)
       end if
-      call put(file, "state at the end, body frame" // &
-               trim(merge(" (the first few)", "                ", states%n > most_bodies_shown)), &
-                  error)
+      call put(file, "state at the end, body frame" // trim(merge(" (the first few)", &
+               "                ", states%n > most_bodies_shown)), error)
       do i = 1, min(states%n, most_bodies_shown)
          y = states%y(:, i)
          q = states%q(:, i)

@@ -10,7 +10,7 @@ module poinsot_scene_typed_group
       value_null, value_number, value_text
    implicit none(type, external)
    private
-   public :: typed_group, meet, given, number_of, numbers_of, word_of, integer_of, complain
+   public :: typed_group, meet, given, number_of, numbers_of, word_of, integer_of, plain, complain
    public :: largest_list
 
    integer, parameter :: largest_list = 1000000 !! most numbers one key may hold
@@ -46,9 +46,8 @@ contains
          k = find_key(info, group%entries(i)%key)
          if (k == 0) then
             call refuse(error, file, group%entries(i)%line, "&" // group%name // &
-               ": unknown key " // &
-                        quoted(group%entries(i)%key) // "; the nearest known key is """ // &
-                        nearest_key(info, group%entries(i)%key) // """")
+                        ": unknown key " // quoted(group%entries(i)%key) // "; the nearest " // &
+                        "known key is """ // nearest_key(info, group%entries(i)%key) // """")
             return
          end if
          here = 0
@@ -316,9 +315,18 @@ contains
          value = nint(number, i8)
          if (real(value, dp) == number) return
       end if
-      call complain(typed, key, "= " // text_of(number) // " is not an integer from " // &
+      call complain(typed, key, "= " // plain(number) // " is not an integer from " // &
                     text_of(least) // " to " // text_of(most), error)
    end subroutine integer_of
+
+   !> A number as a user would write it: 9999, not 9999.0.
+   function plain(number) result(text)
+      real(dp), intent(in) :: number
+      character(:), allocatable :: text
+      text = text_of(number)
+      if (abs(number) > 1e9_dp) return
+      if (abs(number - anint(number)) <= 0) text = text_of(nint(number))
+   end function plain
 
    !> Raise POINSOT_E_SCENE naming file, line, group and key.
    subroutine complain(typed, key, message, error)
