@@ -94,6 +94,7 @@ contains
       real(dp) :: xs, zs, den, cf, df, b, g, w1, w2, w3, wc, wd, twice, hp, hr, d, v1, v2, v3
       real(dp) :: half, root, k, y1, y2, y3, u1, u2, u3, d3, q0, q1, q2, q3, e0, e1, e2, e3
       real(dp) :: a1, a2, a3, a13, c1, c3, f1, f3, parity
+      real(dp) :: va(lanes, 3), tw(lanes), ha(lanes), ra(lanes)
       integer :: l, i1, i2, i3
       i1 = class%order(1)
       i2 = class%order(2)
@@ -129,9 +130,21 @@ contains
          v1 = hp*(w1 + g*(wc*den - (a1*b)*wd))
          v2 = (hr + class%theta*d)*twice
          v3 = hr*(w3 + g*(wd*den - (a3*b)*wc))
+         va(l,1)=v1
+         va(l,2)=v2
+         va(l,3)=v3
+         tw(l)=twice*(f1*hr + f3*d)
          half = sqrt(0.5_dp + 0.5_dp*sqrt(1 - (v1*v1 + v2*v2 + v3*v3)))
-         root = 0.5_dp/half
+         ha(l) = half
+         ra(l) = 0.5_dp/half
+      end do
+      !GCC$ ivdep
+      do l = 1, lanes
+         root = ra(l)
          k = root*root
+         v1=va(l,1)
+         v2=va(l,2)
+         v3=va(l,3)
          y1 = y(l, i1)
          y2 = y(l, i2)
          y3 = y(l, i3)
@@ -139,10 +152,10 @@ contains
          u2 = 2*k*(v3*y1 - v1*y3) - y2
          u3 = 2*k*(v1*y2 - v2*y1) - y3
          d3 = v1*u2 - v2*u1
-         dy(l, i1) = -(k*twice)*(2*y3 + d3)*(f1*hr + f3*d)
+         dy(l, i1) = -(k*tw(l))*(2*y3 + d3)
          dy(l, i2) = v3*u1 - v1*u3
          dy(l, i3) = d3
-         e0 = half - 1
+         e0 = ha(l) - 1
          e1 = v1*root
          e2 = v2*root
          e3 = v3*root
