@@ -20,6 +20,8 @@ module poinsot_body_class
    integer, parameter :: series_levels = 2              !! lengths of series the exact step offers
    integer, parameter :: low_degree = 4                 !! highest power of h^2 in P and R of the
                                                         !! first
+   real(dp), parameter :: fastest = 1e70_dp      !! angular velocity, in the caller's unit, that no
+                                                 !! body may exceed: no square of a kernel overflows
    real(dp), parameter :: longest_step = 0.7_dp         !! h |omega| of the longest single exact
                                                         !! step
 
@@ -27,6 +29,7 @@ module poinsot_body_class
    type :: body_class
       real(dp) :: moments(3) = 1          !! as the caller gave them, in the caller's axis order
       real(dp) :: inverse(3) = 1          !! 1/moment; 0 for a zero moment
+      real(dp) :: limit(3) = fastest      !! momenta that no body may exceed
       integer :: order(3) = [1, 2, 3]     !! sorted moment j is moments(order(j))
       real(dp) :: parity = 1              !! +1 or -1: sign of the permutation
       real(dp) :: sorted(3) = 1           !! ascending moments / scale
@@ -64,7 +67,11 @@ contains
       if (raised(error)) return
       class%moments = moments
       class%inverse = 0
-      where (moments > 0) class%inverse = 1/moments
+      class%limit = 1e270_dp
+      where (moments > 0)
+         class%inverse = 1/moments
+         class%limit = fastest*min(moments, 1e200_dp)
+      end where
       call sort(moments, class%order, class%parity)
       class%scale = scale(1.0_dp, exponent(maxval(moments)) - 1)
       class%sorted = moments(class%order)/class%scale
