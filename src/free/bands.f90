@@ -9,7 +9,7 @@ module poinsot_free_bands
    use poinsot_body_universal, only: sine_squared, high_sine, high_product
    implicit none(type, external)
    private
-   public :: low_band, add_high_band
+   public :: correction_band, sine_band
 
    integer, parameter :: half = ubound(sine_squared, 2)
    integer :: i, j !! of the table below only
@@ -19,43 +19,42 @@ module poinsot_free_bands
 
 contains
 
-   !> Degrees 0 to 4 (T: 3) of all four series.
-   pure subroutine low_band(class, p, r, ps, rs, t, w)
+   !> 1 + P and 1 + R.
+   pure subroutine correction_band(class, p, r, above, ps, rs)
       type(body_class), intent(in) :: class
       real(dp), intent(in), dimension(lanes) :: p, r     !! h^2 p2 and h^2 r2
+      real(dp), intent(in) :: above                      !! the largest p + r
       real(dp), intent(out), dimension(lanes) :: ps, rs  !! 1 + P and 1 + R
-      real(dp), intent(out), dimension(lanes) :: t, w    !! S^2 and S C D
-      real(dp) :: c1, c3, e, f
-      integer :: l
+      real(dp) :: takes(lanes)
       call quartic(class%p, p, r, ps)
       call quartic(class%r, p, r, rs)
+      if (above <= class%reach(1)) return
+      takes = merge(1.0_dp, 0.0_dp, p + r > class%reach(1))
+      call add_septic(class%high_p, p, r, takes, ps)
+      call add_septic(class%high_r, p, r, takes, rs)
+   end subroutine correction_band
+
+   !> T = S^2, to degree 3 or 7.
+   pure subroutine sine_band(class, p, r, above, t)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in), dimension(lanes) :: p, r     !! h^2 p2 and h^2 r2
+      real(dp), intent(in) :: above                      !! the largest p + r
+      real(dp), intent(out), dimension(lanes) :: t       !! S^2
+      real(dp) :: takes(lanes), c1, c3, e, f, ee, s
+      integer :: l
       c1 = 0.25_dp*class%a(1)*class%a(2)
       c3 = 0.25_dp*class%a(2)*class%a(3)
-      associate (a => sine_squared, b => product_table)
+      associate (a => sine_squared)
          !GCC$ ivdep
          do l = 1, lanes
             e = c1*r(l) + c3*p(l)
             f = (c1*r(l))*(c3*p(l))
             t(l) = ((a(3, 0)*e + a(2, 0))*e + a(1, 0))*e + a(0, 0) + f*(a(1, 1)*e + a(0, 1))
-            w(l) = (((b(4, 0)*e + b(3, 0))*e + b(2, 0))*e + b(1, 0))*e + b(0, 0) &
-                   + f*((b(2, 1)*e + b(1, 1))*e + b(0, 1) + b(0, 2)*f)
          end do
       end associate
-   end subroutine low_band
-
-   !> Add degrees 5 to 7 (T: 4 to 7) for lanes with p + r above the reach of the low band.
-   pure subroutine add_high_band(class, p, r, ps, rs, t, w)
-      type(body_class), intent(in) :: class
-      real(dp), intent(in), dimension(lanes) :: p, r
-      real(dp), intent(inout), dimension(lanes) :: ps, rs, t, w
-      real(dp) :: takes(lanes), c1, c3, e, f, ee, s
-      integer :: l
+      if (above <= class%reach(1)) return
       takes = merge(1.0_dp, 0.0_dp, p + r > class%reach(1))
-      call add_septic(class%high_p, p, r, takes, ps)
-      call add_septic(class%high_r, p, r, takes, rs)
-      c1 = 0.25_dp*class%a(1)*class%a(2)
-      c3 = 0.25_dp*class%a(2)*class%a(3)
-      associate (a => high_sine, b => high_product)
+      associate (a => high_sine)
          !GCC$ ivdep
          do l = 1, lanes
             e = c1*r(l) + c3*p(l)
@@ -65,13 +64,9 @@ contains
             s = s*f + (a(0, 1) + e*(a(1, 1) + e*(a(2, 1) + e*a(3, 1))))*ee
             s = s*f + (a(0, 0) + e*(a(1, 0) + e*(a(2, 0) + e*a(3, 0))))*(ee*ee)
             t(l) = t(l) + takes(l)*s
-            s = e*(b(0, 2) + e*(b(1, 2) + e*b(2, 2))) + f*(b(1, 3) + e*b(2, 3))
-            s = s*f + (b(0, 1) + e*(b(1, 1) + e*b(2, 1)))*(e*ee)
-            s = s*f + (b(0, 0) + e*(b(1, 0) + e*b(2, 0)))*(e*(ee*ee))
-            w(l) = w(l) + takes(l)*s
          end do
       end associate
-   end subroutine add_high_band
+   end subroutine sine_band
 
    !> The polynomial of degree 4 with coefficients c(i,j) of p^i r^j.
    pure subroutine quartic(c, p, r, s)

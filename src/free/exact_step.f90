@@ -7,7 +7,7 @@
 module poinsot_free_exact_step
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_body_class, only: body_class
-   use poinsot_free_bands, only: low_band, add_high_band
+   use poinsot_free_bands, only: sine_band, correction_band
    implicit none(type, external)
    private
    public :: exact_step_increment, step_sizes
@@ -46,7 +46,7 @@ contains
 
    !> Increments of y and q over one step of at most `longest_step` = h |omega| (see step_sizes).
    !>
-   !> In two passes over the lanes: the roots and divisions of one vector then run beside the
+   !> In several passes over the lanes: divisions and roots of one vector then run beside the
    !> arithmetic of others.
    pure subroutine exact_step_increment(class, w, p, r, above, y, q, dy, dq)
       type(body_class), intent(in) :: class
@@ -54,26 +54,24 @@ contains
       real(dp), intent(in) :: above                           !! the largest p + r
       real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
-      real(dp), dimension(lanes) :: ps, rs, t, s, half, root, slip
+      real(dp), dimension(lanes) :: ps, rs, t, half, root, slip
       real(dp) :: v(lanes, 3)
 
-      call low_band(class, p, r, ps, rs, t, s)
-      if (above > class%reach(1)) call add_high_band(class, p, r, ps, rs, t, s)
-      call rotation_of_step(class, w, p, r, ps, rs, t, s, v, half, root, slip)
+      call sine_band(class, p, r, above, t)
+      call both_ends(class, w, p, r, t, v)
+      call correction_band(class, p, r, above, ps, rs)
+      call rotation_of_step(class, ps, rs, v, half, root, slip)
       call turn(class, v, half, root, slip, y, q, dy, dq)
    end subroutine exact_step_increment
 
-   !> The rotation of the step from the series, in sorted axes: v = sin(angle) axis, half =
-   !> cos(angle/2), root = 1/(2 half). `slip` is what the momentum about the axis of the smallest
-   !> moment loses, over root^2 (2 y3 + dy3).
-   pure subroutine rotation_of_step(class, w, p, r, ps, rs, t, s, v, half, root, slip)
+   !> h omega at both ends of the step, summed. That at the end comes from sn, cn, dn of half a step
+   !> by the duplication formula.
+   pure subroutine both_ends(class, w, p, r, t, sum)
       type(body_class), intent(in) :: class
-      real(dp), intent(in), dimension(lanes) :: p, r, ps, rs, t, s
+      real(dp), intent(in), dimension(lanes) :: p, r, t
       real(dp), intent(in) :: w(lanes, 3)
-      real(dp), intent(out), dimension(lanes) :: half, root, slip
-      real(dp), intent(out) :: v(lanes, 3)
-      real(dp) :: xs, zs, xz, den, cf, df, b, g, w1, w3, twice, hp, hr, d
-      real(dp) :: a1, a2, a3, a13, c1, c3, f1, theta
+      real(dp), intent(out) :: sum(lanes, 3)
+      real(dp) :: xs, zs, xz, den, cf, df, s, b, g, w1, w3, a1, a2, a3, a13, c1, c3
       integer :: l
       a1 = class%a(1)
       a2 = class%a(2)
@@ -81,29 +79,46 @@ contains
       a13 = a1*a3
       c1 = 0.25_dp*a1*a2
       c3 = 0.25_dp*a2*a3
-      f1 = 2*class%f1
-      theta = 2*class%theta
       !GCC$ ivdep
       do l = 1, lanes
-         ! omega at the end of the step, from sn, cn, dn of half a step by the duplication formula
          xs = c1*r(l)*t(l)
          zs = c3*p(l)*t(l)
          xz = xs*zs
          den = 1 - xz
          cf = den - 2*(xs - xz)
          df = den - 2*(zs - xz)
-         b = w(l, 2)*s(l)
+         s = sqrt(t(l)*((1 - xs)*(1 - zs)))
+         b = w(l, 2)*s
          g = 1/(den*den - a13*(b*b))
          w1 = w(l, 1)*cf
          w3 = w(l, 3)*df
-         twice = w(l, 2) + g*(w(l, 2)*(cf*df) + (a2*s(l))*(w(l, 1)*w(l, 3))*den)
+         sum(l, 1) = w(l, 1) + g*(w1*den - (a1*b)*w3)
+         sum(l, 2) = w(l, 2) + g*(w(l, 2)*(cf*df) + (a2*s)*(w(l, 1)*w(l, 3))*den)
+         sum(l, 3) = w(l, 3) + g*(w3*den - (a3*b)*w1)
+      end do
+   end subroutine both_ends
+
+   !> The rotation of the step, in sorted axes: v = sin(angle) axis, half = cos(angle/2), root = 1/(2
+   !> half). `slip` is what the momentum about the axis of the smallest moment loses, over root^2 (2
+   !> y3 + dy3).
+   pure subroutine rotation_of_step(class, ps, rs, v, half, root, slip)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in), dimension(lanes) :: ps, rs
+      real(dp), intent(inout) :: v(lanes, 3)     !! in: from both_ends
+      real(dp), intent(out), dimension(lanes) :: half, root, slip
+      real(dp) :: hp, hr, d, f1, theta
+      integer :: l
+      f1 = 2*class%f1
+      theta = 2*class%theta
+      !GCC$ ivdep
+      do l = 1, lanes
          hp = 0.5_dp*ps(l)
          hr = 0.5_dp*rs(l)
          d = hp - hr
-         v(l, 1) = hp*(w(l, 1) + g*(w1*den - (a1*b)*w3))
-         v(l, 2) = (hr + class%theta*d)*twice
-         v(l, 3) = hr*(w(l, 3) + g*(w3*den - (a3*b)*w1))
-         slip(l) = twice*(f1*hr + theta*d)
+         slip(l) = v(l, 2)*(f1*hr + theta*d)
+         v(l, 1) = hp*v(l, 1)
+         v(l, 2) = (hr + class%theta*d)*v(l, 2)
+         v(l, 3) = hr*v(l, 3)
          half(l) = sqrt(0.5_dp + 0.5_dp*sqrt(1 - (v(l, 1)**2 + v(l, 2)**2 + v(l, 3)**2)))
          root(l) = 0.5_dp/half(l)
       end do
