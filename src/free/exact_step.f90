@@ -136,7 +136,7 @@ contains
       real(dp), intent(in), dimension(lanes) :: half, root, slip
       real(dp), intent(in) :: v(lanes, 3), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
-      real(dp) :: v1, v2, v3, k, y1, y2, y3, u1, u2, u3, d3, q0, q1, q2, q3, e0, e1, e2, e3
+      real(dp) :: v1, v2, v3, k, y1, y2, y3, u1, u2, u3, d3, q0, q1, q2, q3, e0, a0, a1, a2, a3
       integer :: l, i1, i2, i3
       i1 = class%order(1)
       i2 = class%order(2)
@@ -149,26 +149,30 @@ contains
          y1 = y(l, i1)
          y2 = y(l, i2)
          y3 = y(l, i3)
+         q0 = class%parity*q(l, 1)
+         q1 = q(l, 1 + i1)
+         q2 = q(l, 1 + i2)
+         q3 = q(l, 1 + i3)
+         u1 = v2*y3 - v3*y2
+         u2 = v3*y1 - v1*y3
+         u3 = v1*y2 - v2*y1
+         a0 = q1*v1 + q2*v2 + q3*v3
+         a1 = q0*v1 + (q2*v3 - q3*v2)
+         a2 = q0*v2 + (q3*v1 - q1*v3)
+         a3 = q0*v3 + (q1*v2 - q2*v1)
          k = root(l)*root(l)
-         u1 = (2*k)*(v2*y3 - v3*y2) - y1
-         u2 = (2*k)*(v3*y1 - v1*y3) - y2
-         u3 = (2*k)*(v1*y2 - v2*y1) - y3
+         u1 = (2*k)*u1 - y1
+         u2 = (2*k)*u2 - y2
+         u3 = (2*k)*u3 - y3
          d3 = v1*u2 - v2*u1
          dy(l, i1) = -(k*slip(l))*(2*y3 + d3)
          dy(l, i2) = v3*u1 - v1*u3
          dy(l, i3) = d3
          e0 = half(l) - 1
-         e1 = v1*root(l)
-         e2 = v2*root(l)
-         e3 = v3*root(l)
-         q0 = class%parity*q(l, 1)
-         q1 = q(l, 1 + i1)
-         q2 = q(l, 1 + i2)
-         q3 = q(l, 1 + i3)
-         dq(l, 1) = class%parity*(q0*e0 - (q1*e1 + q2*e2 + q3*e3))
-         dq(l, 1 + i1) = q1*e0 + q0*e1 + (q2*e3 - q3*e2)
-         dq(l, 1 + i2) = q2*e0 + q0*e2 + (q3*e1 - q1*e3)
-         dq(l, 1 + i3) = q3*e0 + q0*e3 + (q1*e2 - q2*e1)
+         dq(l, 1) = class%parity*(q0*e0 - a0*root(l))
+         dq(l, 1 + i1) = q1*e0 + a1*root(l)
+         dq(l, 1 + i2) = q2*e0 + a2*root(l)
+         dq(l, 1 + i3) = q3*e0 + a3*root(l)
       end do
    end subroutine turn
 
