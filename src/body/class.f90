@@ -12,7 +12,7 @@ module poinsot_body_class
    use poinsot_body_moments, only: check_moments, moment_tolerance
    use poinsot_body_series, only: max_degree, degree_bound, correction_series
    use poinsot_body_economy, only: last_kept, economised, economy_bound
-   use poinsot_body_universal, only: universal_bound, economy_range, sine_error, product_error
+   use poinsot_body_universal, only: universal_bound, economy_range, sine_error
    implicit none(type, external)
    private
    public :: body_class, make_class, series_levels, longest_step
@@ -136,20 +136,21 @@ contains
    !> They are bounded degree by degree, on p + r <= s, the bound of (h |omega|)^2 over the whole
    !> motion (reached where omega2 = 0): of the first level the Bernstein coefficients of the parts
    !> left out, of the second economy_bound. With z = max(a1 a2, a2 a3)/4, so that X + Z <= z s, an
-   !> attitude error is at most sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8); T is used to one degree
-   !> less than the others in the first level, W_n = (n+1) T_n.
+   !> attitude error is at most sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8). W comes from T: dW <= 0.6
+   !> dT, as the second level's range is X + Z <= 0.07.
    pure function reach_of(class) result(reach)
       type(body_class), intent(in) :: class
       real(dp) :: reach(series_levels)
       real(dp) :: bound(0:max_degree, 2), z, range
+      real(dp), parameter :: sine_to_product = 0.6_dp
       integer :: n
 
       z = 0.25_dp*class%a(2)*max(class%a(1), class%a(3))
       bound = 0
       do n = low_degree + 1, max_degree
-         bound(n, 1) = 0.5_dp*max(degree_bound(class%p, n), degree_bound(class%r, n)) &
-                       + 0.5_dp*z**n*universal_bound(n - 1)
-         bound(n, 2) = 0.125_dp*(n + 1)*z**n*universal_bound(n)
+         bound(n, 1) = 0.5_dp*max(degree_bound(class%p, n), degree_bound(class%r, n))
+         if (n > low_degree + 1) bound(n, 1) = bound(n, 1) + 0.5_dp*z**n*universal_bound(n - 1)
+         bound(n, 2) = 0.125_dp*sine_to_product*z**n*universal_bound(n)
       end do
       reach(1) = largest(bound, longest_step**2)
       bound = 0
@@ -157,7 +158,7 @@ contains
          bound(n, 1) = 0.5_dp*max(economy_bound(class%p, n), economy_bound(class%r, n))
       end do
       bound(1, 1) = 0.5_dp*z*sine_error
-      bound(0, 2) = 0.125_dp*product_error
+      bound(0, 2) = 0.125_dp*sine_to_product*sine_error
       range = longest_step**2
       if (z*range > economy_range) range = economy_range/z
       reach(2) = max(reach(1), largest(bound, range))

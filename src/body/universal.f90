@@ -10,7 +10,7 @@ module poinsot_body_universal
    implicit none(type, external)
    private
    public :: sine_squared, universal_bound
-   public :: economy_range, high_sine, high_product, sine_error, product_error
+   public :: economy_range, high_sine, sine_error
 
    integer, parameter :: half_degree = (max_degree - 1)/2
    real(dp), parameter :: zeros(12) = 0.0_dp
@@ -43,25 +43,16 @@ module poinsot_body_universal
       3.356305835943844994e-6_dp, -3.593916746848259182e-6_dp, zeros(1:12)], [max_degree + 1, &
          half_degree + 1])
 
-   !> Degrees 4 to 7 of T and 5 to 7 of W for X + Z <= economy_range, with what they take over from
-   !> the higher ones as in poinsot_body_economy. `high_sine(m, j)` multiplies e^(4-2j+m) f^j;
-   !> `high_product(m, j)` multiplies e^(5-2j+m) f^j. What stands below e^0 is f^3 and e f^3.
+   !> Degrees 5 to 7 of T for X + Z <= economy_range, with what they take over from the higher ones as
+   !> in poinsot_body_economy: `high_sine(m, j)` multiplies e^(5-2j+m) f^j; the last column belongs to
+   !> 0, f^3 and e f^3.
    real(dp), parameter :: economy_range = 0.07_dp
-   real(dp), parameter :: high_sine(0:3, 0:3) = reshape([ &
-      1.410934655339999801e-4_dp, -4.275367314822625519e-6_dp, 9.289275535134726722e-8_dp, &
-      -3.99712807014477618e-10_dp, &
-      1.714285673155460769e-2_dp, -2.154861851012417616e-3_dp, 1.912812050492147038e-4_dp, &
-      -1.173476583988717686e-5_dp, &
-      2.666666619300812201e-2_dp, -1.466080613637822752e-2_dp, 3.919182081070134937e-3_dp, &
-      -6.469253404609090865e-4_dp, &
-      0.0_dp, 0.0_dp, 3.07483836691977516e-3_dp, -1.997591410039298936e-3_dp], [4, 4])
-   real(dp), parameter :: high_product(0:2, 0:3) = reshape([ &
-      -2.56528373675449938e-5_dp, 6.523124757962105131e-7_dp, -4.149930996108515522e-9_dp, &
-      -1.292923794181008544e-2_dp, 1.339493870731028727e-3_dp, -9.477746657724883813e-5_dp, &
-      -8.796512828372163259e-2_dp, 2.744051990530788952e-2_dp, -5.204032241862061154e-3_dp, &
-      0.0_dp, 2.152788350960765125e-2_dp, -1.605498574240781865e-2_dp], [3, 4])
-   real(dp), parameter :: sine_error = 1.3e-17_dp    !! largest errors of T and W with them
-   real(dp), parameter :: product_error = 3.1e-16_dp
+   real(dp), parameter :: high_sine(0:2, 0:3) = reshape([ &
+      -4.275501567513104179e-6_dp, 9.335753898090805955e-8_dp, -6.279803052720815862e-10_dp, &
+      -2.154876017143985996e-3_dp, 1.913996379576850392e-4_dp, -1.195109931628915342e-5_dp, &
+      -1.466086791792753064e-2_dp, 3.920590124380298092e-3_dp, -6.53817805379360828e-4_dp, &
+      0.0_dp, 3.075743678763918336e-3_dp, -2.015474113133485123e-3_dp], [3, 4])
+   real(dp), parameter :: sine_error = 3.4e-17_dp    !! largest error of T with them
 
 contains
 

@@ -1,4 +1,4 @@
-!> The series of the exact step in two bands of degrees: 1 + P, 1 + R, T and W.
+!> The series of the exact step in two bands of degrees: 1 + P, 1 + R and T.
 !>
 !> A lane that needs the second band takes the sum of both, the others the first alone: a lane's bits
 !> do not depend on the lanes beside it, and a block in which lanes differ computes nothing twice.
@@ -6,16 +6,10 @@ module poinsot_free_bands
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
    use poinsot_body_series, only: max_degree
-   use poinsot_body_universal, only: sine_squared, high_sine, high_product
+   use poinsot_body_universal, only: sine_squared, high_sine
    implicit none(type, external)
    private
    public :: correction_band, sine_band
-
-   integer, parameter :: half = ubound(sine_squared, 2)
-   integer :: i, j !! of the table below only
-   !> W = sum (i + 2j + 1) t(i,j) e^i f^j.
-   real(dp), parameter :: product_table(0:max_degree, 0:half) = &
-      reshape([((i + 2*j + 1, i=0, max_degree), j=0, half)], shape(sine_squared))*sine_squared
 
 contains
 
@@ -34,7 +28,7 @@ contains
       call add_septic(class%high_r, p, r, takes, rs)
    end subroutine correction_band
 
-   !> T = S^2, to degree 3 or 7.
+   !> T = S^2, to degree 4 or 7.
    pure subroutine sine_band(class, p, r, above, t)
       type(body_class), intent(in) :: class
       real(dp), intent(in), dimension(lanes) :: p, r     !! h^2 p2 and h^2 r2
@@ -49,7 +43,8 @@ contains
          do l = 1, lanes
             e = c1*r(l) + c3*p(l)
             f = (c1*r(l))*(c3*p(l))
-            t(l) = ((a(3, 0)*e + a(2, 0))*e + a(1, 0))*e + a(0, 0) + f*(a(1, 1)*e + a(0, 1))
+            t(l) = (((a(4, 0)*e + a(3, 0))*e + a(2, 0))*e + a(1, 0))*e + a(0, 0) &
+                   + f*((a(2, 1)*e + a(1, 1))*e + a(0, 1) + a(0, 2)*f)
          end do
       end associate
       if (above <= class%reach(1)) return
@@ -60,9 +55,9 @@ contains
             e = c1*r(l) + c3*p(l)
             f = (c1*r(l))*(c3*p(l))
             ee = e*e
-            s = a(0, 2) + e*(a(1, 2) + e*(a(2, 2) + e*a(3, 2))) + f*(a(2, 3) + e*a(3, 3))
-            s = s*f + (a(0, 1) + e*(a(1, 1) + e*(a(2, 1) + e*a(3, 1))))*ee
-            s = s*f + (a(0, 0) + e*(a(1, 0) + e*(a(2, 0) + e*a(3, 0))))*(ee*ee)
+            s = e*(a(0, 2) + e*(a(1, 2) + e*a(2, 2))) + f*(a(1, 3) + e*a(2, 3))
+            s = s*f + (a(0, 1) + e*(a(1, 1) + e*a(2, 1)))*(e*ee)
+            s = s*f + (a(0, 0) + e*(a(1, 0) + e*a(2, 0)))*(e*(ee*ee))
             t(l) = t(l) + takes(l)*s
          end do
       end associate
