@@ -254,11 +254,11 @@ contains
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
       real(dp), intent(out) :: even(lanes, 3, 3), axial(lanes, 3)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), z(lanes, 3), e(lanes, 3), ratio(3)
+      real(dp) :: w(lanes, 3), z(lanes, 3), e(lanes, 3), ratio(3), above
       real(dp), dimension(lanes) :: p, r, live, found, ee
       integer :: j, k
 
-      call step_sizes(class, h, y, w, p, r)
+      call step_sizes(class, h, y, w, p, r, above)
       live = merge(1.0_dp, 0.0_dp, p + r <= quarter_turn**2)
       if (smallest(live) < 1) where (live < 1) status = poinsot_e_step
       p = merge(p + r, 0.0_dp, live > 0)
