@@ -19,6 +19,7 @@ program check_poinsot
    use test_oracle, only: collect_oracle
    use test_properties, only: collect_properties
    use test_rattle, only: collect_rattle
+   use test_repeat, only: collect_repeat
    use test_rotation, only: collect_rotation
    use test_scene, only: collect_scene
    use test_splitting, only: collect_splitting
@@ -44,6 +45,7 @@ program check_poinsot
       new_testsuite("ensemble", collect_ensemble), &
       new_testsuite("scene", collect_scene), &
       new_testsuite("study", collect_study), &
+      new_testsuite("repeat", collect_repeat), &
       new_testsuite("choose", collect_choose), &
       new_testsuite("hard", collect_hard), &
       new_testsuite("long", collect_long)]

@@ -91,10 +91,9 @@ contains
             + 1.0e-12_dp*found%poisson, &
             trim(names(i))//" Poisson: "//text(found%poisson)//", "//text(other%poisson))
          if (allocated(error)) return
-         call check(error, abs(found%symplectic - other%symplectic) < 1.0e-17_dp &
-            + 1.0e-12_dp*found%symplectic, &
-               trim(names(i))//" symplectic: "//text(found%symplectic)// &
-            ", "//text(other%symplectic))
+         call check(error, abs(found%symplectic - other%symplectic) < &
+                    1.0e-17_dp + 1.0e-12_dp*found%symplectic, trim(names(i))// &
+                    " symplectic: "//text(found%symplectic)//", "//text(other%symplectic))
          if (allocated(error)) return
       end do
    end subroutine test_derivatives
@@ -125,8 +124,7 @@ contains
          said = [holds(row%map%energy), holds(row%map%poisson), holds(row%map%symplectic), &
             holds(row%linear), holds(row%symmetric_body)]
          call check(error, all(said == expected(:, i)), &
-            "ticks of "//trim(names(i))//": "//said(1)//said(2)// &
-            said(3)//said(4)//said(5))
+                    "ticks of "//trim(names(i))//": "//said(1)//said(2)// said(3)//said(4)//said(5))
          if (allocated(error)) return
          call check(error, max(row%map%space, row%map%casimir, row%map%norm, row%map%symmetric, &
             row%map%reversible) < 1.0e-31_dp, "what all of them keep: "//trim(names(i)))
@@ -228,9 +226,8 @@ contains
          do number = 1, cases_of_kind
             call make_case(kind, number, one)
             associate (i => one%moments)
-               call check(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i) &
-                  .and. minval(i) >= 0, &
-                  "no body: "//kind_names(kind))
+               call check(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i) .and. &
+                          minval(i) >= 0, "no body: "//kind_names(kind))
             end associate
             if (allocated(error)) return
          end do
@@ -244,11 +241,10 @@ contains
          call check(error, all(results(1:2, :)%answered == cases_of_kind), &
             "refused on "//kind_names(kind))
          if (allocated(error)) return
-         call check(error, max(results(1, 1)%y, results(1, 1)%q, results(2, 1)%y, results(2, &
-            1)%q) < 5, &
-            "units on "//trim(kind_names(kind))//": exact "//text(max(results(1, 1)%y, &
-               results(1, 1)%q))// &
-            ", jacobi "//text(max(results(2, 1)%y, results(2, 1)%q)))
+         call check(error, max(results(1, 1)%y, results(1, 1)%q, &
+                    results(2, 1)%y, results(2, 1)%q) < 5, &
+                    "units on "//trim(kind_names(kind))//": exact "//text(max(results(1, 1)%y, &
+                    results(1, 1)%q))// ", jacobi "//text(max(results(2, 1)%y, results(2, 1)%q)))
          if (allocated(error)) return
       end do
    end subroutine test_hard

@@ -64,9 +64,10 @@ contains
       integer, intent(inout) :: status(lanes)
       real(dp) :: w(lanes, 3), z(lanes, 3), kappa(lanes, 3), e(lanes, 3)
       real(dp), dimension(lanes) :: p, r, ps, rs, slip, live, found
+      real(dp) :: above
       integer :: l
 
-      call step_sizes(class, h, y, w, p, r)
+      call step_sizes(class, h, y, w, p, r, above)
       !GCC$ ivdep
       do l = 1, lanes
          live(l) = merge(1.0_dp, 0.0_dp, p(l) + r(l) <= quarter_turn**2)
