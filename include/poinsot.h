@@ -205,7 +205,8 @@ typedef int poinsot_torque(void *context, double t, size_t n, const double *cons
                            double *const torque[3], ptrdiff_t torque_stride, double *energy);
 
 /* Steps number first to first + steps - 1 of length h by the plan's splitting, with the plan's effects and the callback's
- * torques (NULL: none). Step k starts at t + k h. first also numbers the random numbers: go on with first + steps.
+ * torques (NULL: none). Step k starts at t + k h. first also numbers the random numbers: go on with first + steps. How many
+ * steps a call makes changes no bit, but with takahashi-imada, whose processor works at both ends of a call and rounds.
  * If the callback stops: POINSOT_E_CALLBACK, and all bodies have the state of before the step that was stopped. */
 poinsot_status poinsot_step(const poinsot_plan *plan, const poinsot_bodies *bodies, double t, double h,
                             int64_t first, int64_t steps, poinsot_torque *callback, void *context);

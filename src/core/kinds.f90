@@ -1,13 +1,15 @@
 !> Kinds and the one size that every room shares.
 module poinsot_core_kinds
-   use, intrinsic :: iso_fortran_env, only: real32, real64, real128, int32, int64
+   use, intrinsic :: iso_fortran_env, only: real32, real64, real128, real_kinds, int32, int64
    implicit none(type, external)
    private
    public :: sp, dp, qp, i4, i8, lanes
 
    integer, parameter :: sp = real32  !! single precision: hosts that store it, never our arithmetic
    integer, parameter :: dp = real64  !! working precision
-   integer, parameter :: qp = real128 !! quadruple precision: tables and references, never a kernel
+   !> Quadruple precision, or the longest there is where the compiler has no such numbers: tables
+   !> and references, never a kernel.
+   integer, parameter :: qp = merge(real128, maxval(real_kinds), real128 > 0)
    integer, parameter :: i4 = int32
    integer, parameter :: i8 = int64
 

@@ -105,6 +105,7 @@ contains
             b%id(l) = at(l) - 1
          end do
       end if
+      if (host%wants_id) b%id(n + 1:) = 0
       b%compensated = associated(host%view%carry)
       if (.not. b%compensated) return
       b%carry = 0

@@ -5,7 +5,6 @@
 !> serial.
 module poinsot_ensemble_drive
    use poinsot_core_kinds, only: dp
-   use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_partial
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_block, only: block_state, host_arrays, open_host, load_block, store_block
@@ -50,8 +49,8 @@ contains
       class(block_job), intent(inout) :: job
       class(block_job), allocatable :: mine          !! a thread's own copy: jobs have work space
       type(host_arrays) :: host
-      integer :: k, chunks, team
-      logical :: failed
+      integer :: k, chunks, team, state
+      logical :: failed, short
 
       chunks = chunk_count(view%n)
       team = 1
@@ -64,21 +63,30 @@ contains
       end if
       call open_host(view, momentum, host)
       host%wants_id = job%wants_id
-      if (team == 1) then
+      short = .false.
+      if (team > 1) then
+         !$omp parallel num_threads(team) default(none) reduction(.or.: failed) &
+         !$omp shared(classes, axes, job, chunks, short) firstprivate(host) private(k, mine, state)
+         allocate (mine, source=job, stat=state)
+         if (state /= 0) then
+            !$omp atomic write
+            short = .true.
+         end if
+         !$omp barrier
+         if (.not. short) then
+            !$omp do schedule(static)
+            do k = 1, chunks
+               call run_chunk(host, classes, axes, mine, k, failed)
+            end do
+            !$omp end do
+         end if
+         if (allocated(mine)) deallocate (mine)
+         !$omp end parallel
+      end if
+      if (team == 1 .or. short) then ! short of memory for the others: one thread does it all
          do k = 1, chunks
             call run_chunk(host, classes, axes, job, k, failed)
          end do
-      else
-         !$omp parallel num_threads(team) default(none) reduction(.or.: failed) &
-         !$omp shared(classes, axes, job, chunks) firstprivate(host) private(k, mine)
-         allocate (mine, source=job)
-         !$omp do schedule(static)
-         do k = 1, chunks
-            call run_chunk(host, classes, axes, mine, k, failed)
-         end do
-         !$omp end do
-         deallocate (mine)
-         !$omp end parallel
       end if
       status = merge(poinsot_e_partial, poinsot_ok, failed)
    end function for_each_block
@@ -106,7 +114,7 @@ contains
          else
             call store_block(host, classes(c), axes(:, c), job%keep_momentum, job%keep_attitude, b)
          end if
-         failed = failed .or. any_failed(b%status)
+         failed = failed .or. any(b%status(1:n) /= poinsot_ok) ! noise may drive padding out of range
       end do
    end subroutine run_chunk
 

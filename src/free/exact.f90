@@ -21,7 +21,7 @@ contains
    !> Increments of y and q over h, exact to rounding, for every body, any h. Mathematics, section 3
    !> (and 4 beyond 4 substeps). POINSOT_E_STEP for h |omega| > 1e15.
    pure subroutine exact_increment(class, terms, h, y, q, dy, dq, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)

@@ -12,7 +12,7 @@ contains
    !> Lanes that turn faster than 1e70, or whose momentum is no number (what a kick can do), get
    !> POINSOT_E_DOMAIN and stand still with y = 0.
    pure subroutine refuse_speed(class, y, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class !! of these bodies
       real(dp), intent(inout) :: y(lanes, 3)
       integer, intent(inout) :: status(lanes)
       integer(i8) :: limit(3), excess

@@ -1,9 +1,10 @@
 !> Run a typed scene: states, steps, frames, summary, restart, plot scripts.
 module poinsot_scene_run
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised, clear
-   use poinsot_core_status, only: poinsot_e_memory, poinsot_e_method, poinsot_e_scene, &
-      poinsot_e_io
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
+      poinsot_e_scene, poinsot_e_io
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
@@ -13,8 +14,7 @@ module poinsot_scene_run
    use poinsot_scene_drift, only: start_drift, follow_drift
    use poinsot_scene_files, only: make_folder, remove_file, file_exists
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
-   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, &
-      sum_of_kinds
+   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, sum_of_kinds
    use poinsot_scene_summary, only: run_report, write_summary
    use poinsot_scene_compare, only: compare_end
    use poinsot_scene_pictures, only: write_pictures, picture_files
@@ -25,6 +25,7 @@ module poinsot_scene_run
 
    real(dp), parameter :: first_chunk = 1e5_dp  !! body-steps before the first look at the watch
    real(dp), parameter :: short = 0.05_dp, long = 0.4_dp !! seconds between two looks
+   integer(i8), parameter :: processed_chunk = 64 !! at least: its processor costs some steps
    real(dp), parameter :: near = 1e-12_dp
 
    !> Everything a run holds.
@@ -46,7 +47,7 @@ contains
    !> says that the run is not complete.
    !> With a crew, bodies are dealt out to its ranks; every rank calls, rank 0 writes.
    subroutine run_scene(scene, out, watch, report, error, crew)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene    !! the typed scene
       character(*), intent(in) :: out              !! folder for the output
       class(run_watch), intent(inout) :: watch     !! asked whether to go on, told how far it is
       type(run_report), intent(out) :: report      !! what the summary says
@@ -101,9 +102,7 @@ contains
       call clear(closing)
       if (.not. raised(error)) call save_restart(scene, out, run, report, closing)
       if (.not. raised(closing)) then
-         call write_summary(out // "/summary.txt", scene, report, &
-            run%states, &
-            closing)
+         call write_summary(out // "/summary.txt", scene, report, run%states, closing)
       end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
@@ -127,7 +126,7 @@ contains
 
    !> Can the scene be run? Makes the plan, runs nothing. Error: whatever the plan refuses.
    subroutine check_scene(scene, error)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       type(poinsot_error), intent(inout) :: error
       type(engine) :: trial
       call start_engine(scene, trial, error)
@@ -145,9 +144,8 @@ contains
       report%method = scene%method
       report%splitting = scene%splitting
       if (is_auto(scene)) then
-         call raise(error, poinsot_e_method, scene%file // &
-            ": 'auto' is to be settled before the " // &
-                    "run (poinsot_study_auto)")
+         call raise(error, poinsot_e_method, &
+                    scene%file // ": 'auto' is to be settled before the run (poinsot_study_auto)")
          return
       end if
       call first_states(scene, run%states, error)
@@ -210,9 +208,8 @@ contains
       type(restart_state) :: saved
       if (len(scene%from) == 0) return
       if (index(scene%from, out // "/") == 1 .and. index(scene%from(len(out) + 2:), "/") == 0) then
-         call raise(error, poinsot_e_scene, scene%from // &
-            ": lies in the output folder, and the run " // &
-                    "would overwrite what it continues; choose another --out")
+         call raise(error, poinsot_e_scene, scene%from // ": lies in the output folder, and " // &
+                    "the run would overwrite what it continues; choose another --out")
          return
       end if
       call read_restart(scene%from, body_total(scene), kinds_of(scene), saved, error)
@@ -299,7 +296,9 @@ contains
       if (done >= part%steps) t = part%to
    end function time_in
 
-   !> The steps of one piece, in chunks between looks at the watch.
+   !> The steps of one piece, in chunks between looks at the watch. Bits do not depend on where
+   !> chunks end, but for a splitting with a processor, which works at both ends of each: there their
+   !> length is fixed, and no matter of the clock.
    subroutine march_piece(scene, part, done, run, watch, crew, report, error)
       type(scene_settings), intent(in) :: scene
       type(piece), intent(in) :: part
@@ -311,8 +310,11 @@ contains
       type(poinsot_error), intent(inout) :: error
       integer(i8) :: steps, most
       real(dp) :: begun, origin
+      logical :: processed
       origin = part%from - real(run%step - done, dp)*part%h
-      most = max(1_i8, int(first_chunk/real(body_total(scene), dp), i8))
+      processed = size(run%engine%plan%splitting%enter) > 0
+      most = max(merge(processed_chunk, 1_i8, processed), &
+         int(first_chunk/real(body_total(scene), dp), i8))
       do while (done < part%steps)
          ! what depends on a clock or a signal is rank 0's to say
          if (watch%stop_now()) most = -most
@@ -324,9 +326,10 @@ contains
          call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error, crew)
          begun = wall_clock() - begun
          report%stepping = report%stepping + begun
-         ! bits do not depend on where calls end
-         if (begun < short .and. steps == most) most = 2*most
-         if (begun > long) most = max(1_i8, most/2)
+         if (.not. processed) then
+            if (begun < short .and. steps == most) most = 2*most
+            if (begun > long) most = max(1_i8, most/2)
+         end if
          if (raised(error)) return
          done = done + steps
          run%step = run%step + steps
@@ -344,6 +347,11 @@ contains
       type(poinsot_error), intent(inout) :: error
       call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
       if (raised(error)) return
+      if (.not. (all(ieee_is_finite(run%kinetic)) .and. all(ieee_is_finite(run%potential)))) then
+         call raise(error, poinsot_e_domain, "at t = " // text_of(run%t) // &
+            " the energy is beyond the range of numbers; use other units, or smaller settings")
+         return
+      end if
       call follow_drift(run%states, run%kinetic, run%potential, report%drift)
       call write_frame(run%frames, scene, run%t, run%states, run%kinetic, run%potential, error)
       report%outputs = report%outputs + 1

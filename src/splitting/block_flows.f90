@@ -3,7 +3,8 @@
 !> composed, and a block without torque has no kick in its scheme (`scheme_for`).
 module poinsot_splitting_block_flows
    use poinsot_core_kinds, only: dp, i8, lanes
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_method
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_memory, &
+      poinsot_e_method
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_body_class, only: body_class
@@ -86,14 +87,18 @@ contains
             torques = torques + 1
             if (scheme%needs_gradient .and. .not. one%has_gradient()) then
                call raise(error, poinsot_e_method, "splitting '" // trim(scheme%name) // &
-                  "' needs a force " // &
-                          "gradient, which effect '" // trim(one%name) // &
+                          "' needs a force gradient, which effect '" // trim(one%name) // &
                           "' does not have; srkn4 and srkn6 need none")
                return
             end if
          class is (flow_effect)
             outers = outers + 1
          class is (gyrostat)
+            if (class%sorted(1) <= 0 .and. any(abs(one%rotor) > 0)) then
+               call raise(error, poinsot_e_domain, "effect 'gyrostat': a linear body, which has " // &
+                  "a moment of zero, holds no rotor; name another class by key 'class'")
+               return
+            end if
             call add_wheel(self, one, scheme%order)
          end select
       end do

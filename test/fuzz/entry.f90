@@ -81,7 +81,25 @@ contains
          if (scene%t_end <= 0) return
       end if
       call run_scene(scene, folder, watch, report, error)
+      if (.not. raised(error) .and. scene%output%present) then
+         if (.not. finite_numbers(folder // "/trajectory.csv")) error%code = -1
+      end if
    end subroutine try_to_run
+
+   !> A run that ended well leaves numbers.
+   logical function finite_numbers(file)
+      character(*), intent(in) :: file
+      character(:), allocatable :: text
+      integer :: unit, size, status
+      finite_numbers = .true.
+      open (newunit=unit, file=file, access="stream", status="old", action="read", iostat=status)
+      if (status /= 0) return
+      inquire (unit, size=size)
+      allocate (character(size) :: text)
+      read (unit, iostat=status) text
+      close (unit)
+      if (status == 0) finite_numbers = index(text, "NaN") == 0 .and. index(text, "Inf") == 0
+   end function finite_numbers
 
    logical function stop_soon(self)
       class(impatient), intent(inout) :: self
