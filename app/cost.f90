@@ -23,7 +23,7 @@ module app_cost
    character(13), parameter :: known(12) = [character(13) :: "--out", "--budget", "--methods", &
       "--splittings", "--tol", "--spread", "--states", "--sums", "--rivals", "--set", &
       "--no-pictures", "--quiet"]
-   real(dp), parameter :: to_write = 0.2_dp, to_draw = 2 !! seconds of the budget
+   real(dp), parameter :: to_write = 0.5_dp, to_draw = 6 !! seconds of the budget
    real(dp), parameter :: usual_tolerances(5) = [1e-3_dp, 1e-6_dp, 1e-9_dp, 1e-12_dp, 1e-15_dp]
 
 contains

@@ -78,17 +78,19 @@ contains
             "again. Exit code 3: nothing meets the tolerance."])
       case ("reproduce")
          call put([character(100) :: &
-            "poinsot reproduce hairer-vilmart | fasso | celledoni [--out DIR] [--budget TIME]", &
+            "poinsot reproduce review | hairer-vilmart | fasso | celledoni [OPTIONS]", &
             "", &
-            "   hairer-vilmart   error against work of two free bodies, order 2 to 10, and the", &
+            "   review           the thrown book of Vilmart's review (2013), figure 1: distance", &
+            "                    from the published end by several methods, and its picture", &
+            "   hairer-vilmart   error against time of two free bodies, order 2 to 10, and the", &
             "                    exact step (J. Phys. A 39, 13225, 2006, figure 1)", &
             "   fasso            error over the triangle of all bodies for each method: how much", &
             "                    methods of one order differ (J. Comput. Phys. 189, 527, 2003)", &
             "   celledoni        when the exact rotor pays inside a splitting (SIAM J. Sci.", &
             "                    Comput. 30, 2084, 2008); takes --budget, default 120s", &
             "", &
-            "Figure 1 of Vilmart's review is `poinsot run free-body`. Numbers as CSV, pictures", &
-            "by gnuplot, in DIR (default poinsot-out/FIGURE). --no-pictures, --quiet as in cost."])
+            "Prints what was found; numbers as CSV, pictures by gnuplot, in DIR of --out (default", &
+            "poinsot-out/FIGURE). --no-pictures, --quiet as in cost."])
       case ("properties")
          call put([character(100) :: &
             "poinsot properties [--out DIR]", &

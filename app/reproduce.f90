@@ -5,11 +5,12 @@ module app_reproduce
    use poinsot_core_nearest, only: nearest_name
    use poinsot_scene_files, only: make_folder
    use poinsot_scene_text, only: joined
+   use poinsot_study_plots, only: either
    use poinsot_study_repeat_celledoni, only: repeat_celledoni
    use poinsot_study_repeat_fasso, only: repeat_fasso
    use poinsot_study_repeat_hairer, only: repeat_hairer
    use poinsot_study_repeat_review, only: repeat_review
-   use app_arguments, only: word, word_list
+   use app_arguments, only: word_list
    use app_codes, only: exit_ok, exit_usage, exit_of_run
    use app_draw, only: draw_pictures, show_file
    use app_options, only: study_options, read_study_options, seconds_of
@@ -89,9 +90,12 @@ contains
       type(study_options), intent(in) :: options
       integer, intent(out) :: code
       type(word_list) :: words
-      words%at = [word("free-body"), word("--out"), word(out)]
-      if (.not. options%pictures) words%at = [words%at, word("--no-pictures")]
-      if (options%quiet) words%at = [words%at, word("--quiet")]
+      allocate (words%at(5))
+      words%at(1)%text = "free-body"
+      words%at(2)%text = "--out"
+      words%at(3)%text = out
+      words%at(4)%text = either("--quiet", "--out=" // out, options%quiet)
+      words%at(5)%text = either("--out=" // out, "--no-pictures", options%pictures)
       call command_run(words, code)
    end subroutine run_book
 

@@ -102,8 +102,9 @@ contains
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: h(lanes)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), p(lanes), r(lanes)
-      call step_sizes(class, h, y, w, p, r)
+      real(dp) :: w(lanes, 3), p(lanes), r(lanes), above
+      call step_sizes(class, h, y, w, p, r, above)
+      if (above <= quarter_turn**2) return
       where (p + r > quarter_turn**2)
          status = poinsot_e_step
          h = 0

@@ -42,13 +42,16 @@ contains
       wanted = study%points%good
       ns = 0
       alone = 0
-      if (first_round*count(wanted) > time_share*request%budget - (wall_seconds() - begun)) &
+      left = time_share*request%budget - (wall_seconds() - begun)
+      if (first_round*count(wanted) > left) then
          call near_frontier(study%points, study%points%guess, wanted)
+      end if
       do round = 1, most_rounds
          left = time_share*request%budget - (wall_seconds() - begun)
          if (round > 1 .and. round_took*(4 - min(round, 3)) > left) then
-            if (all(wanted .eqv. study%points%good)) &
+            if (all(wanted .eqv. study%points%good)) then
                call near_frontier(study%points, minval(ns(:round - 1, :), dim=1), wanted)
+            end if
             if (round_took > left .and. count(wanted) > count(study%points%good)/4) exit
          end if
          if (left <= 0) exit

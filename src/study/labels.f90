@@ -51,19 +51,16 @@ contains
       type(label_list), intent(inout) :: list
       real(dp), intent(in) :: x(:), y(:)        !! fractions of the picture
       integer, intent(in) :: curve              !! its number, to tell it from others
-      real(dp) :: length
+      real(dp) :: from(2), to(2)
       integer :: i, k, parts
       do i = 1, size(x)
-         parts = 1
-         if (i > 1) then
-            length = hypot(wide*(x(i) - x(i - 1)), y(i) - y(i - 1))
-            parts = min(100, 1 + int(length/sample))
-         end if
+         to = [x(i), y(i)]
+         if (i == 1) from = to
+         parts = min(100, 1 + int(hypot(wide*(to(1) - from(1)), to(2) - from(2))/sample))
          do k = 1, parts
-            associate (to => [x(i), y(i)], from => [x(max(i - 1, 1)), y(max(i - 1, 1))])
-               call take_point(list, from + (to - from)*real(k, dp)/parts, curve)
-            end associate
+            call take_point(list, from + (to - from)*real(k, dp)/parts, curve)
          end do
+         from = to
       end do
    end subroutine take_curve
 
@@ -97,19 +94,15 @@ contains
       integer, intent(in) :: curve
       type(label_place), intent(out) :: place
       real(dp), intent(in), optional :: limit
-      real(dp) :: width, at(2)
-      integer :: i, side, ring, points
+      real(dp) :: width, at(2), last(2)
+      integer :: i
       width = list%letter*length
-      points = size(x)
-      do i = 1, 2*points - 1
-         at = [x((i + 1)/2), y((i + 1)/2)] ! the points, and the middles between them
-         if (mod(i, 2) == 0) at = 0.5_dp*(at + [x(i/2 + 1), y(i/2 + 1)])
-         if (any(at < 0) .or. any(at > 1)) cycle
-         do ring = 0, 3
-            do side = 1, 8
-               call try_place(list, at, width, curve, side, ring, place)
-            end do
-         end do
+      do i = 1, size(x)
+         at = [x(i), y(i)]
+         if (i == 1) last = at
+         call try_point(list, at, width, curve, place)
+         call try_point(list, 0.5_dp*(at + last), width, curve, place)
+         last = at
       end do
       if (present(limit)) then
          if (place%price > limit) return
@@ -124,6 +117,21 @@ contains
       real(dp) :: box(4)
       box = [x, x + width, y - 0.5_dp*line_height, y + 0.5_dp*line_height]
    end function box_of
+
+   !> All places around a point that is in the picture.
+   pure subroutine try_point(list, at, width, curve, place)
+      type(label_list), intent(in) :: list
+      real(dp), intent(in) :: at(2), width
+      integer, intent(in) :: curve
+      type(label_place), intent(inout) :: place
+      integer :: side, ring
+      if (any(at < 0) .or. any(at > 1)) return
+      do ring = 0, 3
+         do side = 1, 8
+            call try_place(list, at, width, curve, side, ring, place)
+         end do
+      end do
+   end subroutine try_point
 
    !> One place: on one of eight sides of a point, near or farther; kept if it is better.
    pure subroutine try_place(list, at, width, curve, side, ring, place)
@@ -142,8 +150,9 @@ contains
       if (ring > 0 .and. abs(above(side)) < 0.5_dp) return
       box = box_of(x, y, width)
       price = 0.15_dp*side + 2.5_dp*ring
-      if (box(1) < 0.004_dp .or. box(2) > 1.01_dp .or. box(3) < 0.004_dp .or. box(4) > 1) &
+      if (box(1) < 0.004_dp .or. box(2) > 1.01_dp .or. box(3) < 0.004_dp .or. box(4) > 1) then
          price = price + outside
+      end if
       price = price + on_names(list, box)
       if (price >= place%price) return
       price = price + on_curves(list, box, curve)
@@ -190,7 +199,8 @@ contains
          if (list%owner(i) == curve) own = min(own, away)
          if (list%owner(i) /= curve) other = min(other, away)
       end do
-      if (other < own + 0.005_dp) price = price + astray*min(1.0_dp, (own + 0.005_dp - other)/0.03_dp)
+      own = own + margin
+      if (other < own) price = price + astray*min(1.0_dp, (own - other)/(5*margin))
    end function on_curves
 
    !> Names and curves that a line to the curve would cross; it ends on one.
@@ -207,8 +217,9 @@ contains
                 at(2) > list%box(3, i) .and. at(2) < list%box(4, i)) price = price + on_name
          end do
          do i = 1, list%points
-            if (hypot(wide*(at(1) - list%point(1, i)), at(2) - list%point(2, i)) < 0.5_dp*sample) &
-               price = price + 0.5_dp
+            associate (p => list%point(:, i))
+               if (hypot(wide*(at(1) - p(1)), at(2) - p(2)) < 0.5_dp*sample) price = price + 0.5_dp
+            end associate
          end do
       end do
    end function crossings

@@ -14,7 +14,8 @@ module poinsot_study_plot_work
    use poinsot_study_cost_point, only: middle, worst, of_angle, error_of
    use poinsot_study_efficient, only: frontier_part, frontier_parts, frontier_line
    use poinsot_study_labels, only: label_list, axis, take_curve, fraction_of
-   use poinsot_study_plots, only: strong, strong_colour, strong_point, nice_below, nice_above, either
+   use poinsot_study_plots, only: strong, strong_colour, strong_point, nice_below, nice_above, &
+      either
    use poinsot_study_rivals, only: rival_point, rival_names
    use poinsot_study_statistics, only: median
    implicit none(type, external)
@@ -128,10 +129,10 @@ contains
       doubt = median(study%reference%angle)
       if (picture%what /= of_angle) doubt = median(study%reference%momentum)
       if (study%kind%free .or. .not. doubt > picture%x%to) return
-      call put(file, "set object 1 rect from " // text_of(doubt) // ", graph 0 to graph 1, graph 1" &
-               // " fc rgb '#f2f0ea' fs solid noborder behind", error)
-      call put(file, "set label ""the reference's\nown error"" at graph 0.995, graph 0.07 right " &
-               // "tc rgb '#606060' font ',8'", error)
+      call put(file, "set object 1 rect from " // text_of(doubt) // ", graph 0 to graph 1, " // &
+               "graph 1 fc rgb '#f2f0ea' fs solid noborder behind", error)
+      call put(file, "set label ""the reference's\nown error"" at graph 0.995, graph 0.07 " // &
+               "right tc rgb '#606060' font ',8'", error)
    end subroutine put_doubt
 
    !> Names of all curves that get one: the frontier first.
@@ -240,8 +241,9 @@ contains
       bars = " using ($27 > 0 && $" // text_of(merge(28, 29, picture%what == of_angle)) // &
              " > 0 ? $" // picture%off // " : NaN):25:" // picture%off // ":" // picture%far
       plain = " with lines lw 0.6 lc rgb '#c9c9c9', \"
-      if (size(study%candidates) <= few) &
+      if (size(study%candidates) <= few) then
          plain = " with linespoints pt 7 ps 0.25 lw 0.9 lc rgb '#9a9a9a', \"
+      end if
       call put(file, "file = 'cost.csv'", error)
       call put(file, "plot $front using 1:2 with lines lw 11 lc rgb '#dbe4ee', \", error)
       do k = 1, size(study%candidates)

@@ -133,8 +133,9 @@ contains
                                            second, steps(2), change(2), error)
       if (raised(error)) return
       call compare_states(second%y, second%q, reference%state, reference%angle, reference%momentum)
-      if (max(maxval(reference%angle), maxval(reference%momentum)) < both_good) &
+      if (max(maxval(reference%angle), maxval(reference%momentum)) < both_good) then
          call take_middle(second, reference%state)
+      end if
       reference%how = label_of(best) // ", " // text_of(steps(1)) // " steps"
       if (kind%limit > 0) reference%how = reference%how // " at the finest, extrapolated"
       reference%how = reference%how // "; " // label_of(other) // ", " // &

@@ -130,10 +130,10 @@ contains
       character(120) :: line
       integer :: i, m
       call open_out(out // "/celledoni.txt", file, error)
-      call put(file, "a top turned ten times at an error of 1e-6: time with a rotor over time with " // &
-               "exact, each", error)
-      call put(file, "with its own best splitting and step, for kinetic energy over energy of the " // &
-               "torque", error)
+      call put(file, "a top turned ten times at an error of 1e-6: time with a rotor over time " // &
+               "with exact, each", error)
+      call put(file, "with its own best splitting and step, for kinetic energy over energy of " // &
+               "the torque", error)
       write (line, "(23x, 7f9.2)") energies(weights)
       call put(file, trim(line), error)
       do m = 1, size(rotors)
@@ -147,7 +147,9 @@ contains
       end do
       line = "   splitting with exact"
       do i = 1, size(weights)
-         if (found(i, 1)%best%h > 0) line = trim(line) // " " // trim(found(i, 1)%best%way%splitting)
+         associate (best => found(i, 1)%best)
+            if (best%h > 0) line = trim(line) // " " // trim(best%way%splitting)
+         end associate
       end do
       call put(file, trim(line), error)
       call finish_out(file, error)

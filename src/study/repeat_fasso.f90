@@ -170,9 +170,10 @@ contains
          call put(file, "set origin " // text_of(0.0_dp + 0.285_dp*mod(m - 1, 3)) // "," // &
                   text_of(merge(0.5_dp, 0.0_dp, m <= 3)) // "; set size 0.285,0.5", error)
          call put(file, "unset label; unset arrow", error)
-         call put(file, "set label '" // trim(methods(m)) // "' at 0.5,1.0 center font ',13' front", error)
-         call put(file, "set label '" // brief_number(quantile(found(m, :), 0.05_dp)) // " to " // &
-                  brief_number(quantile(found(m, :), 0.95_dp)) // &
+         call put(file, "set label '" // trim(methods(m)) // &
+                  "' at 0.5,1.0 center font ',13' front", error)
+         call put(file, "set label '" // brief_number(quantile(found(m, :), 0.05_dp)) // &
+                  " to " // brief_number(quantile(found(m, :), 0.95_dp)) // &
                   " for 9 bodies in 10' at 0.5,0.93 center font ',9' tc rgb '#505050' front", error)
          call put_lines(file, [character(130) :: &
             "set label 'all mass on axis 1' at -0.02,-0.06 left font ',8' tc rgb '#505050' front", &
@@ -180,7 +181,7 @@ contains
             "set label 'axis 3' at 0.56,0.86 left font ',8' tc rgb '#505050' front"], error)
          if (m == 1) call put_lines(file, [character(130) :: &
             "# moments in ratio 1 : 3/4 : 1/4: mass 0, 1/4, 3/4 along the axes", &
-            "set label ""moments\n1, 3/4, 1/4"" at 0.8,0.76 left font ',9' tc rgb '#a03000' front", &
+            "set label ""moments\n1, 3/4, 1/4"" at 0.8,0.76 font ',9' tc rgb '#a03000' front", &
             "set arrow 1 from 0.79,0.74 to 0.645,0.66 lc rgb '#a03000' lw 1.2 front"], error)
          if (m == size(methods)) call put_lines(file, [character(130) :: &
             "set colorbox vertical user origin 0.905,0.15 size 0.02,0.7", &

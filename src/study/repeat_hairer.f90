@@ -100,12 +100,12 @@ contains
       type(out_file) :: file
       character(100) :: line
       integer :: body, m, i
-      real(dp) :: time
+      real(dp) :: time, slope
       call open_out(out // "/hairer-vilmart.txt", file, error)
       do body = 1, 2
          write (line, "('moments', 3f7.3)") bodies(:, body)
-         call put(file, trim(line) // ": microseconds of a body's run to t = 10 for an error in " // &
-                  "attitude, and slopes", error)
+         call put(file, trim(line) // ": microseconds of a body's run to t = 10 for an error " // &
+                  "in attitude, and slopes", error)
          write (line, "(18x, 4es10.0e2, a9)") tolerances, "slope"
          call put(file, trim(line), error)
          do m = 1, size(methods)
@@ -117,7 +117,8 @@ contains
                if (time < huge(time)) write (line(10*i + 9:10*i + 18), "(f10.2)") time
             end do
             line(59:67) = "        -"
-            if (slope_of(found, m, body) > 0) write (line(59:67), "(f9.1)") slope_of(found, m, body)
+            slope = slope_of(found, m, body)
+            if (slope > 0) write (line(59:67), "(f9.1)") slope
             call put(file, trim(line), error)
          end do
       end do
@@ -135,7 +136,7 @@ contains
       slope = 0
       associate (off => found%attitude(:, m, body))
          do k = 2, size(off)
-            if (off(k - 1) > 0.1_dp .or. .not. off(k - 1) > off(k)) cycle ! 0: it did not come through
+            if (off(k - 1) > 0.1_dp .or. .not. off(k - 1) > off(k)) cycle ! 0: no result
             if (off(k) > 3e-13_dp) slope = log(off(k - 1)/off(k))/log(2.0_dp)
          end do
       end associate

@@ -1,5 +1,5 @@
-!> G. Vilmart, Rigid body dynamics (2013), figure 1: the published end of a thrown book, by the method
-!> that computed it and by others.
+!> G. Vilmart, Rigid body dynamics (2013), figure 1: the published end of a thrown book, by the
+!> method that computed it and by others.
 module poinsot_study_repeat_review
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raised
@@ -10,14 +10,15 @@ module poinsot_study_repeat_review
    public :: repeat_review
 
    real(dp), parameter :: moments(3) = [0.376_dp, 0.627_dp, 1.0_dp], t_end = 40
-   real(dp), parameter :: y0(3) = [0.0_dp, 0.6_dp, -0.8_dp], q0(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+   real(dp), parameter :: y0(3) = [0.0_dp, 0.6_dp, -0.8_dp]
+   real(dp), parameter :: q0(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
    !> As published, from 4000 steps of order 10.
    real(dp), parameter :: y_end(3) = [0.0545936805170048_dp, -0.5930307093190378_dp, &
                                       -0.8033268997439126_dp]
    real(dp), parameter :: q_end(4) = [-0.7620456033094549_dp, -0.5769991038241422_dp, &
                                       -0.0272197283757480_dp, 0.2926048855539088_dp]
-   character(20), parameter :: methods(10) = [character(20) :: "dmv10", "exact", "exact", "jacobi", &
-      "dmv2", "dmv4", "dmv6", "midpoint", "three-rotations", "symmetric-rotation"]
+   character(20), parameter :: methods(10) = [character(20) :: "dmv10", "exact", "exact", &
+      "jacobi", "dmv2", "dmv4", "dmv6", "midpoint", "three-rotations", "symmetric-rotation"]
    integer(i8), parameter :: steps(10) = [4000_i8, 4000_i8, 1_i8, 1_i8, 4000_i8, 4000_i8, 4000_i8, &
       4000_i8, 4000_i8, 4000_i8]
 
