@@ -45,7 +45,7 @@ demo: build ## build, then run the free body and the heavy top, leave pictures
 test: build ## build, then run the tests in two profiles; ends with "N passed, M failed"
 	@tools/test.sh $(SUITE)
 
-check-deep: build ## all tests, the long ones too; vector code looked at; sanitizers, valgrind, flags, coverage, fuzzers
+check-deep: build ## all tests, long ones too; sanitizers, valgrind, flags, coverage, flang, fuzzers; an hour on two cores
 	@tools/test.sh --deep $(SUITE)
 	@bench/assembly.sh
 	@tools/deep.sh
@@ -80,4 +80,4 @@ help: ## this list
 	@sed -n '/^# Variables/,/^$$/s/^# //p' Makefile
 
 setup:
-	@tools/setup.sh build $(filter demo lint docs,$(MAKECMDGOALS)) $(if $(filter 1,$(MPI)),mpi)
+	@tools/setup.sh build $(filter demo lint docs,$(MAKECMDGOALS)) $(if $(filter 1,$(MPI)),mpi) $(if $(filter check-deep,$(MAKECMDGOALS)),deep)

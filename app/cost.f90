@@ -30,8 +30,8 @@ contains
 
    !> The command.
    subroutine command_cost(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(study_options) :: options
       type(scene_settings) :: scene
       type(cost_request) :: request

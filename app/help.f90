@@ -95,19 +95,19 @@ contains
          call put([character(100) :: &
             "poinsot properties [--out DIR]", &
             "", &
-            "Measures what every method keeps, a few seconds: its order, the quadratic and linear", &
-            "invariants, whether it is Poisson, symplectic, time-reversible and exact for symmetric", &
-            "bodies; and how far the library's kernel is from the map so judged. DIR/properties.csv", &
-            "holds the numbers behind each yes and no."])
+            "Measures what every method keeps, a few seconds: its order, the quadratic and", &
+            "linear invariants, whether it is Poisson, symplectic, time-reversible and exact for", &
+            "symmetric bodies; and how far the library's kernel is from the map so judged.", &
+            "DIR/properties.csv holds the numbers behind each yes and no."])
       case ("hard")
          call put([character(100) :: &
             "poinsot hard [NAME] [--out DIR]", &
             "", &
-            "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI units,", &
-            "...) through every method, measures ten promises (other units, axes in any order,", &
-            "there and back, steps of any size, quaternions off unit norm, ...), and seven tops", &
-            "and fields in every splitting: the worst errors, refusals, and a verdict on each", &
-            "against its bound. A few seconds.", &
+            "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI", &
+            "units, ...) through every method, measures ten promises (other units, axes in any", &
+            "order, there and back, steps of any size, quaternions off unit norm, ...), and", &
+            "seven tops and fields in every splitting: the worst errors, refusals, and a verdict", &
+            "on each against its bound. A few seconds.", &
             "", &
             "   NAME        one case, method or splitting: every figure, bound and verdict of it", &
             "   --out DIR   all of it in DIR/hard.csv", &

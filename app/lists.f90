@@ -43,8 +43,8 @@ contains
 
    !> poinsot methods
    subroutine command_methods(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(free_method) :: method
       type(poinsot_error) :: error
       character(20) :: name
@@ -65,8 +65,8 @@ contains
 
    !> poinsot splittings
    subroutine command_splittings(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(splitting) :: scheme
       type(poinsot_error) :: error
       character(18) :: name
@@ -90,8 +90,8 @@ contains
 
    !> poinsot effects [NAME]
    subroutine command_effects(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(effect_info) :: info
       integer :: i
       code = exit_usage
@@ -113,8 +113,8 @@ contains
 
    !> poinsot keys [GROUP]
    subroutine command_keys(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(effect_info) :: info
       integer :: i, k
       code = exit_usage
@@ -196,8 +196,8 @@ contains
 
    !> poinsot scenes [NAME]
    subroutine command_scenes(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       integer :: i
       code = exit_usage
       if (.not. fine("scenes", words, 1)) return

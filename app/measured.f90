@@ -18,8 +18,8 @@ contains
 
    !> poinsot properties [--out DIR]
    subroutine command_properties(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(poinsot_error) :: error
       character(:), allocatable :: folder
       call read_folder("properties", words, folder, code)
@@ -30,8 +30,8 @@ contains
 
    !> poinsot hard [NAME] [--out DIR]
    subroutine command_hard(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(poinsot_error) :: error
       character(:), allocatable :: folder, only
       call read_folder("hard", words, folder, code, only)

@@ -23,12 +23,12 @@ contains
 
    !> Words to options; complains itself.
    subroutine read_study_options(command, words, known, options, good, question)
-      character(*), intent(in) :: command
-      type(word_list), intent(in) :: words
-      character(*), intent(in) :: known(:)        !! the options of this command
+      character(*), intent(in) :: command            !! for messages
+      type(word_list), intent(in) :: words           !! what follows the command
+      character(*), intent(in) :: known(:)           !! the options of this command
       type(study_options), intent(out) :: options
       logical, intent(out) :: good
-      character(*), intent(in), optional :: question   !! said if nothing is named; default: a scene
+      character(*), intent(in), optional :: question !! said if nothing is named; default: a scene
       character(:), allocatable :: name, value
       integer :: i
       call start(options)

@@ -39,8 +39,8 @@ contains
 
    !> The command.
    subroutine command_run(words, code, crew)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       class(run_crew), intent(inout), optional :: crew
       type(run_options) :: options
       type(scene_settings) :: scene

@@ -1,14 +1,16 @@
 !> What the program needs of the system: is this a terminal, was it asked to stop, where is it.
 module app_terminal
-   use, intrinsic :: iso_c_binding, only: c_int, c_char, c_size_t, c_long, c_funptr, c_funloc, &
-      c_null_funptr, c_null_char
+   use, intrinsic :: iso_c_binding, only: c_int, c_char, c_size_t, c_long, c_intptr_t, c_funptr, &
+      c_funloc, c_null_funptr, c_null_char
    use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
    implicit none(type, external)
    private
    public :: error_is_terminal, catch_interrupts, was_interrupted, executable_folder
    public :: say, complain, environment
 
-   integer(c_int), parameter :: signal_interrupt = 2, signal_terminate = 15
+   integer(c_int), parameter :: signal_hangup = 1, signal_interrupt = 2, signal_terminate = 15, &
+      signal_file_size = 25
+   integer(c_intptr_t), parameter :: ignored = 1 !! SIG_IGN
 
    !> Set by the handler. The library never sees it: the run asks through a context (app_progress).
    logical, volatile, save :: interrupted = .false.
@@ -43,11 +45,16 @@ contains
       error_is_terminal = c_isatty(2_c_int) == 1
    end function error_is_terminal
 
-   !> From now on SIGINT and SIGTERM ask the run to stop; a second one ends the program at once.
+   !> From now on SIGINT, SIGTERM and SIGHUP (unless it is ignored: nohup) ask the run to stop; a
+   !> second one ends the program at once. A file beyond the limit of its size is an error of the
+   !> write, as on a full disk.
    subroutine catch_interrupts()
       type(c_funptr) :: before
       before = c_signal(signal_interrupt, c_funloc(on_interrupt))
       before = c_signal(signal_terminate, c_funloc(on_interrupt))
+      before = c_signal(signal_hangup, c_funloc(on_interrupt))
+      if (transfer(before, ignored) == ignored) before = c_signal(signal_hangup, before)
+      before = c_signal(signal_file_size, transfer(ignored, before))
    end subroutine catch_interrupts
 
    subroutine on_interrupt(number) bind(c)

@@ -8,7 +8,7 @@ module test_ensemble_every
    use poinsot_effect_registry, only: effect_count, effect_names
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_coupled, only: torque_callback
-   use poinsot_ensemble_plan, only: poinsot_plan, make_ready, set_option
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, make_ready, set_option
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_free_method, only: method_count, method_name
    use poinsot_splitting_registry, only: splitting_count, splitting_name
@@ -62,7 +62,8 @@ contains
          new_unittest("every-method-and-effect-bits", test_effects), &
          new_unittest("every-method-and-callback-bits", test_callbacks), &
          new_unittest("every-splitting-bits", test_splittings), &
-         new_unittest("no-rotor-on-a-linear-body", test_linear_rotor)]
+         new_unittest("no-rotor-on-a-linear-body", test_linear_rotor), &
+         new_unittest("padding-fails-nobody", test_padding)]
    end subroutine collect_every
 
    !> A new effect needs a row here.
@@ -125,6 +126,38 @@ contains
       call make_ready(plan, problem)
       call check(error, .not. raised(problem), "a rotor at rest is none")
    end subroutine test_linear_rotor
+
+   !> A block's lanes without a body draw noise too, which may take them beyond a method's longest
+   !> step: no matter of the call's.
+   subroutine test_padding(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(poinsot_plan) :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      real(dp), target :: y(3, 1), q(4, 1)
+      integer(i8), target :: id(1)
+      integer, target :: each(1)
+      integer :: k, number, status, failures
+      call add_class(plan, [0.6_dp, 0.8_dp, 1.0_dp], number, problem)
+      call with_effect(plan, "langevin", "friction = 5; temperature = 1")
+      call set_option(plan, "method", "dmv8", problem)
+      call make_ready(plan, problem)
+      failures = 0
+      do k = 1, 100
+         y = 0.1_dp
+         q = 0.5_dp
+         id = k
+         call view_rows(y, q, view)
+         view%id => id
+         view%status => each
+         call step_bodies(plan, view, 0.0_dp, 0.8_dp, int(k, i8), 1_i8, status, problem)
+         call check(error, (status == poinsot_ok) .eqv. (each(1) == poinsot_ok), &
+            "the call fails, and no body does")
+         if (allocated(error)) return
+         if (status /= poinsot_ok) failures = failures + 1
+      end do
+      call check(error, failures > 5 .and. failures < 95, "noise about the longest step")
+   end subroutine test_padding
 
    !> All comparisons for one plan. Bodies that act on each other stay in their order, and together. A
    !> processor works at both ends of each call, so there calls must be the same ones.

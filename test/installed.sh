@@ -85,6 +85,10 @@ no_memory() {
    eval "$CC -std=c99 test/c/memory.c -o build/installed/build/memory $(config --cflags --libs)" &&
       OMP_NUM_THREADS=1 LD_LIBRARY_PATH=$prefix/lib build/installed/build/memory
 }
+memory_flat() {
+   eval "$CC -std=c99 -Wall -Wextra -Werror test/c/flat.c -o build/installed/build/flat $(config --cflags --libs)" &&
+      OMP_NUM_THREADS=1 LD_LIBRARY_PATH=$prefix/lib build/installed/build/flat
+}
 # A scene of 3e8 bodies in an address space of 2 GB: a message and exit code 1, not a signal.
 no_memory_app() {
    (ulimit -v 2000000 && OMP_NUM_THREADS=1 "$prefix/bin/poinsot" run free-body --set bodies.count=300000000 --out build/installed/large)
@@ -170,6 +174,7 @@ if have pkg-config; then
    else
       skip "abuse-valgrind" "no valgrind, or a build with AVX-512"
    fi
+   [ "$(uname)" != Linux ] || expect "memory-stays-flat" memory_flat
    if [ "$(uname)" = Linux ]; then expect "no-memory" no_memory; else skip "no-memory" "for glibc"; fi
    if have qemu-x86_64 && native_build; then
       expect "older-processor" older_processor

@@ -2,6 +2,7 @@
 module test_body
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
    use testdrive, only: new_unittest, unittest_type, error_type
+   use test_body_series, only: collect_body_series
    use test_expectation, only: within, expect, refused, accepted
    use poinsot_core_kinds, only: dp, i4, i8
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size, poinsot_e_method
@@ -29,6 +30,8 @@ contains
 
    subroutine collect_body(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
+      type(unittest_type), allocatable :: series(:)
+      call collect_body_series(series)
       testsuite = [ &
          new_unittest("moments-accepted", test_accepted), &
          new_unittest("moments-refused", test_refused), &
@@ -47,7 +50,8 @@ contains
          new_unittest("shape-refusals", test_shape_refusals), &
          new_unittest("energy-and-casimir", test_invariants), &
          new_unittest("momentum-refusals", test_momentum), &
-         new_unittest("degrees-of-freedom", test_freedom)]
+         new_unittest("degrees-of-freedom", test_freedom), &
+         series]
    end subroutine collect_body
 
    !> Moments of a body with random positive d_k over six decades.

@@ -4,7 +4,7 @@
 # usage: tools/fuzz.sh [scene | restart | abi | all | probe] [INPUTS [SEED]]      (all, 20000 inputs, seed 1)
 # environment: FC, CC; FUZZ_FLAGS instead of the sanitizers' flags
 #
-# Ends with "N passed, M failed": a target passes if no input crashed, hung or broke a promise. Inputs that did are kept in
+# What an earlier run found, test/fuzz/found/TARGET-*, runs first. Ends with "N passed, M failed": a target passes if no input crashed, hung or broke a promise. Inputs that did are kept in
 # build/fuzz/crash-*; `build/fuzz/fuzz TARGET --runs 0 FILE` runs one again.
 
 set -u
@@ -51,7 +51,9 @@ export UBSAN_OPTIONS="print_stacktrace=1:${UBSAN_OPTIONS:-}" OMP_NUM_THREADS=1
 for target in $targets; do
    files=
    [ $target = scene ] && files=$(ls scenes/*.nml test/fuzz/seeds/*.nml 2>/dev/null)
-   if $out/fuzz $target --runs "$inputs" --seed "$seed" --out $out $files >$out/$target.log 2>&1; then
+   found=$(ls test/fuzz/found/$target-* 2>/dev/null)
+   if { [ -z "$found" ] || $out/fuzz $target --runs 0 --out $out $found >$out/$target.log 2>&1; } &&
+      $out/fuzz $target --runs "$inputs" --seed "$seed" --out $out $files >$out/$target.log 2>&1; then
       echo "       ... fuzz-$target [PASSED]"
       passed=$((passed + 1))
    else

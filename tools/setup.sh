@@ -1,9 +1,10 @@
 #!/bin/sh
 # Set-up: what is missing to build poinsot is installed, what is there is used. Says what it does.
 #
-# usage: tools/setup.sh [build | demo | lint | docs | mpi] ...
+# usage: tools/setup.sh [build | demo | lint | docs | mpi | deep] ...
 #   build (always): Fortran compiler, LAPACK, git, fpm, test-drive;   demo: and gnuplot;   lint: fortitude;   docs: FORD;
-#   mpi: MPICH, if there is no MPI compiler
+#   mpi: MPICH, if there is no MPI compiler;   deep: on Debian and its kin valgrind and LLVM's flang, if that can be done (the deep
+#   checks skip what is not there)
 #
 # Compiler, LAPACK, gnuplot, git and pip come from the system's own package manager (apt, dnf, brew or conda); fpm, fortitude and
 # FORD from PyPI into build/tools, so nothing of the user's Python changes; test-drive from its repository into
@@ -142,6 +143,22 @@ system_needs() {
    lapack_works || { cat "$scratch/log" >&2; stop "LAPACK still does not link with $FC"; }
 }
 
+# Tools of the deep checks: no set-up fails for want of them.
+deep_wishes() {
+   wishes=
+   have valgrind || wishes=valgrind
+   flang=$(apt-cache pkgnames flang- 2>/dev/null | sed -n 's/^flang-\(19\|[2-9][0-9]\)$/\1/p' | sort -n | tail -n 1)
+   if [ -n "$flang" ] && ! have "flang-$flang" && ! have "flang-new-$flang"; then wishes="$wishes flang-$flang libomp-$flang-dev"; fi
+   [ -n "$wishes" ] || return 0
+   as=
+   [ "$(id -u)" -eq 0 ] || as="sudo -n"
+   if have apt-get && $as env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $wishes >"$scratch/log" 2>&1; then
+      say "installed: $wishes"
+   else
+      say "could not install for the deep checks, which skip them: $wishes"
+   fi
+}
+
 # ---- what PyPI gives ----------------------------------------------------------------------------------------------
 
 # A package of PyPI in a folder of its own; no virtual environment needed.
@@ -255,7 +272,8 @@ for it in "$@"; do
    case $it in
    lint) fortitude_needs ;;
    docs) ford_needs ;;
+   deep) deep_wishes ;;
    build | demo | mpi) ;;
-   *) stop "unknown: $it (build, demo, lint, docs, mpi)" ;;
+   *) stop "unknown: $it (build, demo, lint, docs, mpi, deep)" ;;
    esac
 done

@@ -185,8 +185,8 @@ contains
       real(dp), intent(in) :: mass(:)                !! masses, zero or positive, not all zero
       real(dp), intent(in) :: position(:, :)         !! (3, size(mass)): where they are
       real(dp), intent(out) :: tensor(3, 3)          !! mass times length squared; 0 if refused
-      type(poinsot_error), intent(inout) :: error    !! poinsot_e_size of shapes; poinsot_e_domain of
-                                                     !! values
+      type(poinsot_error), intent(inout) :: error    !! poinsot_e_size for shapes, poinsot_e_domain
+                                                     !! for values
       real(dp), intent(out), optional :: total_mass  !! sum of the masses
       real(dp), intent(out), optional :: centre(3)   !! centre of mass
       real(dp) :: total, middle(3), arm(3)

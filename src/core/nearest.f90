@@ -6,8 +6,8 @@ module poinsot_core_nearest
 
 contains
 
-   !> The known name that begins with this one, of three letters or more; else that with the smallest
-   !> edit distance; the first of equals; "" if none is known.
+   !> The known name that begins with this one, of three letters or more; else that with the
+   !> smallest edit distance; the first of equals; "" if none is known.
    pure function nearest_name(name, known) result(nearest)
       character(*), intent(in) :: name     !! the unknown name, any case
       character(*), intent(in) :: known(:) !! the names that would be right
@@ -37,7 +37,7 @@ contains
    !> Least number of letters to insert, delete or replace (Levenshtein 1966); case and trailing
    !> blanks do not count.
    pure integer function edit_distance(a, b) result(distance)
-      character(*), intent(in) :: a, b
+      character(*), intent(in) :: a, b !! two words
       integer :: row(0:len_trim(b)), i, j, diagonal, above
       row = [(j, j=0, len_trim(b))]
       do i = 1, len_trim(a)

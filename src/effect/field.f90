@@ -54,9 +54,9 @@ contains
 
    !> A field from checked settings.
    subroutine make_field(info, settings, made, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      class(effect), allocatable, intent(out) :: made
+      type(effect_info), intent(in) :: info           !! the row of the registry
+      type(setting), intent(in) :: settings(:)        !! checked against the row
+      class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(field) :: new
       real(dp), allocatable :: values(:)

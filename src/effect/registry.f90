@@ -1,6 +1,6 @@
 !> All effects by name: one row each, with its description and its constructor.
 !>
-!> A new effect is one file, one row in `effect_row` (and its place in `effect_count`), one test.
+!> A new effect is one file, one row in `effect_row` with its name in `effect_names`, one test.
 module poinsot_effect_registry
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
@@ -23,12 +23,11 @@ module poinsot_effect_registry
    private
    public :: effect_count, effect_names, describe_effect, effect_name, effect_number, make_effect
 
-   integer, parameter :: effect_count = 10 !! rows below
-
    !> Names of the rows, in their order.
-   character(18), parameter :: effect_names(effect_count) = [character(18) :: &
+   character(18), parameter :: effect_names(*) = [character(18) :: &
       "gravity", "field", "gravity_gradient", "spring", "torque", "drag", "langevin", "gyrostat", &
       "dipoles", "callback"]
+   integer, parameter :: effect_count = size(effect_names)
 
    abstract interface
       subroutine constructor(info, settings, made, error)
@@ -66,7 +65,7 @@ contains
 
    !> What the registry knows of effect i, 1 to effect_count; every effect also has the key `class`.
    function describe_effect(i) result(info)
-      integer, intent(in) :: i
+      integer, intent(in) :: i !! 1 to effect_count
       type(effect_info) :: info
       procedure(constructor), pointer :: make
       call effect_row(i, info, make)
@@ -75,7 +74,7 @@ contains
 
    !> Name of effect i; "" outside 1 to effect_count.
    function effect_name(i) result(name)
-      integer, intent(in) :: i
+      integer, intent(in) :: i !! 1 to effect_count
       character(:), allocatable :: name
       type(effect_info) :: info
       info = describe_effect(i)
@@ -84,7 +83,7 @@ contains
 
    !> Number of an effect; 0 for an unknown name.
    integer function effect_number(name) result(i)
-      character(*), intent(in) :: name
+      character(*), intent(in) :: name !! of an effect
       do i = 1, effect_count
          if (effect_name(i) == name) return
       end do

@@ -17,10 +17,10 @@ contains
 
    !> Steps of all bodies with pair effects and callback. See step_bodies.
    subroutine run_coupled(plan, view, t, h, first, steps, status, error, callback)
-      type(poinsot_plan), intent(in), target :: plan
-      type(body_view), intent(in) :: view
-      real(dp), intent(in) :: t, h
-      integer(i8), intent(in) :: first, steps
+      type(poinsot_plan), intent(in), target :: plan !! ready
+      type(body_view), intent(in) :: view            !! the caller's arrays
+      real(dp), intent(in) :: t, h                   !! time; length of a step
+      integer(i8), intent(in) :: first, steps        !! number of the first step; how many
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
       class(torque_callback), intent(inout), optional, target :: callback
@@ -65,10 +65,10 @@ contains
    !> Kinetic and potential energy of each body at time t, pair energies shared between the two. A
    !> body that is refused keeps what stands in the arrays.
    subroutine coupled_energy(plan, view, t, kinetic, potential, status, error)
-      type(poinsot_plan), intent(in), target :: plan
-      type(body_view), intent(in) :: view
-      real(dp), intent(in) :: t
-      real(dp), intent(inout) :: kinetic(:), potential(:)
+      type(poinsot_plan), intent(in), target :: plan      !! ready
+      type(body_view), intent(in) :: view                 !! the caller's arrays
+      real(dp), intent(in) :: t                           !! time
+      real(dp), intent(inout) :: kinetic(:), potential(:) !! (n)
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
       type(ensemble_flows) :: system

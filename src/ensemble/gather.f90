@@ -29,9 +29,9 @@ contains
    !> Errors: POINSOT_E_MEMORY, POINSOT_E_METHOD if the splitting needs a gradient that the callback
    !> has not, POINSOT_E_SIZE if a pair effect has positions for another number of bodies.
    subroutine gather_all(plan, view, system, failed, error)
-      type(poinsot_plan), intent(in), target :: plan
-      type(body_view), intent(in) :: view
-      type(ensemble_flows), intent(inout) :: system
+      type(poinsot_plan), intent(in), target :: plan !! ready
+      type(body_view), intent(in) :: view            !! the caller's arrays
+      type(ensemble_flows), intent(inout) :: system  !! all blocks
       logical, intent(inout) :: failed               !! set if a body is refused
       type(poinsot_error), intent(inout) :: error
       type(block_flows), allocatable :: composed(:)
@@ -149,10 +149,10 @@ contains
 
    !> All blocks back into the caller's arrays.
    subroutine store_all(plan, view, system, failed)
-      type(poinsot_plan), intent(in) :: plan
-      type(body_view), intent(in) :: view
-      type(ensemble_flows), intent(inout) :: system
-      logical, intent(inout) :: failed   !! set if a body failed
+      type(poinsot_plan), intent(in) :: plan        !! ready
+      type(body_view), intent(in) :: view           !! the caller's arrays
+      type(ensemble_flows), intent(inout) :: system !! all blocks
+      logical, intent(inout) :: failed              !! set if a body failed
       type(host_arrays) :: host
       integer :: k
       if (view%n == 0) return
@@ -192,7 +192,7 @@ contains
 
    !> Keep the state of all stations.
    subroutine remember(system, before)
-      type(ensemble_flows), intent(in) :: system
+      type(ensemble_flows), intent(in) :: system !! all blocks
       type(memory), intent(inout) :: before(:)
       integer :: k
       do k = 1, size(before)
@@ -204,7 +204,7 @@ contains
 
    !> Put that state back.
    subroutine go_back(system, before)
-      type(ensemble_flows), intent(inout) :: system
+      type(ensemble_flows), intent(inout) :: system !! all blocks
       type(memory), intent(in) :: before(:)
       integer :: k
       do k = 1, size(before)

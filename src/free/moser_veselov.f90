@@ -64,9 +64,10 @@ contains
       integer, intent(inout) :: status(lanes)
       real(dp) :: w(lanes, 3), z(lanes, 3), kappa(lanes, 3), e(lanes, 3)
       real(dp), dimension(lanes) :: p, r, ps, rs, slip, live, found
+      real(dp) :: above
       integer :: l
 
-      call step_sizes(class, h, y, w, p, r)
+      call step_sizes(class, h, y, w, p, r, above)
       !GCC$ ivdep
       do l = 1, lanes
          live(l) = merge(1.0_dp, 0.0_dp, p(l) + r(l) <= quarter_turn**2)
@@ -160,7 +161,8 @@ contains
       real(dp) :: active(lanes), moved(lanes), ee(lanes)
       integer :: j, k
       integer, parameter :: most = 30 !! 2**-30: closer roots are one to a double
-      real(dp), parameter :: tolerance = 1e-24_dp
+      real(dp), parameter :: tolerance(2) = [1e-24_dp, 1e-14_dp] !! where roots lie close, rounding
+                                                                  !! moves a lane to the end
       active = 1 - found
       moved = 0
       do j = 1, 3
@@ -169,7 +171,7 @@ contains
       do k = 1, most
          call newton(stretch, z, kappa, active, e, moved)
          ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
-         where (active > 0 .and. ee < 1 .and. moved <= tolerance*ee) found = 1
+         where (active > 0 .and. ee < 1 .and. moved <= tolerance(merge(1, 2, k < most))*ee) found = 1
          active = merge(0.0_dp, active, found > 0 .or. ee > 16)
          if (.not. largest(active) > 0) exit
       end do
@@ -225,7 +227,7 @@ contains
          c12 = m23*m31 - m21*m33
          c13 = m21*m32 - m22*m31
          det = m11*c11 + m12*c12 + m13*c13
-         det = active(l)/merge(det, 1.0_dp, abs(det) > 1e-3_dp)
+         det = active(l)/merge(det, 1.0_dp, abs(det) > 1e-8_dp)
          d1 = det*(c11*f1 + (m13*m32 - m12*m33)*f2 + (m12*m23 - m13*m22)*f3)
          d2 = det*(c12*f1 + (m11*m33 - m13*m31)*f2 + (m13*m21 - m11*m23)*f3)
          d3 = det*(c13*f1 + (m12*m31 - m11*m32)*f2 + (m11*m22 - m12*m21)*f3)

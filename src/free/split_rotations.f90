@@ -24,7 +24,7 @@ contains
    !> smallest. A linear body turns exactly: turns about two of its axes would put momentum about
    !> the third, where there can be none.
    pure subroutine three_rotations_increment(class, terms, h, y, q, dy, dq, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
@@ -53,7 +53,7 @@ contains
    !> Increments of a step of the symmetric + rotation splitting: order 2. POINSOT_E_STEP for h
    !> |omega| > pi/2.
    pure subroutine symmetric_rotation_increment(class, terms, h, y, q, dy, dq, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
@@ -102,8 +102,9 @@ contains
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: h(lanes)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), p(lanes), r(lanes)
-      call step_sizes(class, h, y, w, p, r)
+      real(dp) :: w(lanes, 3), p(lanes), r(lanes), above
+      call step_sizes(class, h, y, w, p, r, above)
+      if (above <= quarter_turn**2) return
       where (p + r > quarter_turn**2)
          status = poinsot_e_step
          h = 0

@@ -16,7 +16,7 @@ contains
 
    !> Check and convert one group. Error: POINSOT_E_SCENE naming file, line and key.
    subroutine build_bodies(group, bodies, error)
-      type(typed_group), intent(in) :: group
+      type(typed_group), intent(in) :: group !! keys with their values
       type(body_group), intent(out) :: bodies
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)

@@ -27,8 +27,8 @@ contains
    !> Make a typed scene of a scanned file. Error: POINSOT_E_SCENE, or POINSOT_E_DOMAIN for a body,
    !> with a message that names file, line, group and key, and what would be right.
    subroutine build_scene(source, scene, error)
-      type(scene_source), intent(in) :: source
-      type(scene_settings), intent(out) :: scene
+      type(scene_source), intent(in) :: source   !! the scanned file
+      type(scene_settings), intent(out) :: scene !! the typed scene
       type(poinsot_error), intent(inout) :: error
       type(effect_info), allocatable :: effects(:)
       scene%file = source%file

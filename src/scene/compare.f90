@@ -21,10 +21,10 @@ contains
    !> Put the comparison into the report; none for large runs, continued runs and random effects. A
    !> comparison that fails is no failure of the run.
    subroutine compare_end(scene, begin, states, report)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene       !! the typed scene
       type(body_states), intent(in) :: begin          !! not filled for a large run
       type(body_states), intent(in) :: states         !! at the end
-      type(run_report), intent(inout) :: report
+      type(run_report), intent(inout) :: report       !! what the summary says
       type(body_states) :: other
       type(poinsot_error) :: refused
       logical :: free

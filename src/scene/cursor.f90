@@ -65,7 +65,7 @@ contains
 
    !> Past blanks, line ends and comments.
    subroutine skip(here)
-      type(cursor), intent(inout) :: here
+      type(cursor), intent(inout) :: here !! moves on
       integer :: last
       do while (here%at <= len(here%text))
          select case (here%text(here%at:here%at))
@@ -86,7 +86,7 @@ contains
 
    !> What a message may quote: from here to the next blank, at least one byte.
    pure function word_at(here) result(word)
-      type(cursor), intent(in) :: here
+      type(cursor), intent(in) :: here !! where the reader is
       character(:), allocatable :: word
       integer :: length
       length = scan(here%text(here%at:), " ," // tab // newline) - 1
@@ -96,7 +96,7 @@ contains
 
    !> A name (letter or _, then letters, digits, _) from here on, lower case; "" if there is none.
    subroutine scan_name(here, name)
-      type(cursor), intent(inout) :: here
+      type(cursor), intent(inout) :: here !! moves on
       character(:), allocatable, intent(out) :: name
       integer :: length
       name = ""
@@ -110,8 +110,8 @@ contains
 
    !> Raise POINSOT_E_SCENE naming file, line, group and key.
    subroutine complain(here, group, entry, message, error)
-      type(cursor), intent(in) :: here
-      character(*), intent(in) :: group
+      type(cursor), intent(in) :: here  !! where the reader is
+      character(*), intent(in) :: group !! its name
       type(scene_entry), intent(in) :: entry
       character(*), intent(in) :: message
       type(poinsot_error), intent(inout) :: error

@@ -25,7 +25,7 @@ contains
 
    !> Remember the start.
    subroutine start_drift(states, kinetic, potential, drift, code)
-      type(body_states), intent(in) :: states
+      type(body_states), intent(in) :: states          !! of all bodies
       real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
       type(drift_watch), intent(out) :: drift
       integer, intent(out) :: code                     !! not 0: no memory
@@ -46,7 +46,7 @@ contains
 
    !> Compare with the start.
    subroutine follow_drift(states, kinetic, potential, drift)
-      type(body_states), intent(in) :: states
+      type(body_states), intent(in) :: states          !! of all bodies
       real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
       type(drift_watch), intent(inout) :: drift
       real(dp) :: now(3), length

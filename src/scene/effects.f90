@@ -20,7 +20,7 @@ contains
 
    !> All effect groups of the file. Error: POINSOT_E_SCENE naming file, line, group and key.
    subroutine build_effects(source, scene, error)
-      type(scene_source), intent(in) :: source
+      type(scene_source), intent(in) :: source     !! the scanned file
       type(scene_settings), intent(inout) :: scene !! its bodies are known; gets the effects
       type(poinsot_error), intent(inout) :: error
       type(effect_info), allocatable :: table(:)
@@ -144,7 +144,7 @@ contains
 
    !> Positions of all bodies, as their groups say.
    subroutine body_positions(scene, position)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene            !! the typed scene
       real(dp), allocatable, intent(out) :: position(:, :) !! (3, bodies)
       integer(i8) :: j, n
       integer :: i

@@ -26,7 +26,7 @@ contains
 
    !> Make the plan. Error: whatever the plan refuses.
    subroutine start_engine(scene, this, error, method)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene    !! the typed scene
       type(engine), intent(out) :: this
       type(poinsot_error), intent(inout) :: error
       character(*), intent(in), optional :: method !! instead of the scene's

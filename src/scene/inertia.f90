@@ -18,7 +18,7 @@ contains
 
    !> Exactly one of moments, tensor and shape. Error: POINSOT_E_SCENE naming file, line and key.
    subroutine find_moments(group, bodies, error)
-      type(typed_group), intent(in) :: group
+      type(typed_group), intent(in) :: group    !! keys with their values
       type(body_group), intent(inout) :: bodies !! gets moments, axes, frame, turned
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)

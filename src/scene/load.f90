@@ -15,7 +15,7 @@ contains
    !> The whole file as text, at most 16 MB. Errors: POINSOT_E_IO if it cannot be read,
    !> POINSOT_E_SCENE if it is longer.
    subroutine load_text(file, text, error)
-      character(*), intent(in) :: file
+      character(*), intent(in) :: file !! its name
       character(:), allocatable, intent(out) :: text
       type(poinsot_error), intent(inout) :: error
       integer :: unit, code, length

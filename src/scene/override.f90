@@ -21,7 +21,7 @@ contains
    !> of that form; whether group and key exist is found out when the scene is built.
    subroutine override(text, source, error)
       character(*), intent(in) :: text               !! group.key=value
-      type(scene_source), intent(inout) :: source
+      type(scene_source), intent(inout) :: source    !! the scanned file
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: group
       type(scene_entry) :: entry
@@ -29,8 +29,8 @@ contains
       equals = index(text, "=")
       dot = index(text(:max(equals - 1, 0)), ".")
       if (dot < 2 .or. equals < dot + 2 .or. equals == len(text)) then
-         call refuse(error, place, 0, quoted(text) // " is not of the form group.key=value, as " // &
-                     "in scene.h=0.1")
+         call refuse(error, place, 0, quoted(text) // " is not of the form group.key=value, " // &
+                     "as in scene.h=0.1")
          return
       end if
       group = lower(trim(adjustl(text(:dot - 1))))

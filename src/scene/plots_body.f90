@@ -16,8 +16,8 @@ contains
 
    !> The review's figure 1: where each body axis points in space, a sphere for each.
    subroutine write_attitude(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       character(:), allocatable :: j, vector

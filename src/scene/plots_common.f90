@@ -18,7 +18,7 @@ contains
 
    !> Lines of a script; blanks at the ends are dropped, empty ones left out.
    subroutine put_lines(file, lines, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       character(*), intent(in) :: lines(:)
       type(poinsot_error), intent(inout) :: error
       integer :: i
@@ -29,14 +29,14 @@ contains
 
    !> How many bodies a frame has.
    pure integer function written_bodies(scene)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       written_bodies = size(scene%output%bodies)
       if (written_bodies == 0) written_bodies = int(body_total(scene))
    end function written_bodies
 
    !> Group of the first body written.
    pure integer function first_group(scene)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       integer(i8) :: body, last
       body = 1
       if (size(scene%output%bodies) > 0) body = scene%output%bodies(1)
@@ -50,8 +50,8 @@ contains
 
    !> Head of a script: how to run it, data, and the loop over terminals that put_end closes.
    subroutine put_start(scene, file, name, width, height, error)
-      type(scene_settings), intent(in) :: scene
-      type(out_file), intent(in) :: file
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      type(out_file), intent(in) :: file        !! open
       character(*), intent(in) :: name          !! of the picture
       integer, intent(in) :: width, height      !! points
       type(poinsot_error), intent(inout) :: error
@@ -80,14 +80,14 @@ contains
 
    !> Close the loop over terminals.
    subroutine put_end(file, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       type(poinsot_error), intent(inout) :: error
       call put_lines(file, [character(20) :: "unset output", "}"], error)
    end subroutine put_end
 
    !> Columns of the rotation matrix, as functions of the columns 3 to 6 of a row.
    subroutine put_columns(file, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       type(poinsot_error), intent(inout) :: error
       call put_lines(file, [character(100) :: &
          "# entry i of column j of the rotation matrix, from the quaternion a b c d", &

@@ -15,8 +15,8 @@ contains
 
    !> What should stay constant, against time: a strip for each.
    subroutine write_drift(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       character(strip_length), allocatable :: names(:), terms(:)

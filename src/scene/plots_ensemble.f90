@@ -26,7 +26,7 @@ contains
 
    !> kT of the thermostat if there is one, else of the first momenta.
    pure real(dp) function wanted_temperature(scene) result(kt)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       integer :: i, k
       kt = maxval(scene%bodies%temperature)
       do i = 1, size(scene%effects)
@@ -41,8 +41,8 @@ contains
 
    !> Mean of y_i^2/I_i over the bodies, for each axis, against time.
    subroutine write_temperature(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       call open_out(path, file, error)
@@ -68,8 +68,8 @@ contains
 
    !> Distribution of y_i/sqrt(I_i kT) at the last output, beside the normal one.
    subroutine write_momenta(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       call open_out(path, file, error)

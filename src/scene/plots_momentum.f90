@@ -15,8 +15,8 @@ contains
 
    !> Momentum in the body frame on its sphere, with the contours of energy: polhodes.
    subroutine write_momentum(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       character(:), allocatable :: vector

@@ -29,7 +29,7 @@ contains
    !> The unit sphere seen from (azimuth, height) in degrees: projection, depth, and a wire frame
    !> `wires` to begin a plot with.
    subroutine put_sphere(file, azimuth, height, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file        !! open
       integer, intent(in) :: azimuth, height    !! where the eye is
       type(poinsot_error), intent(inout) :: error
       call put(file, "az = " // text_of(azimuth) // "*pi/180; el = " // text_of(height) // &
@@ -48,7 +48,7 @@ contains
    !> The sphere's wires, to begin a plot with: meridians and parallels every 30 degrees, the far
    !> side first, and its outline.
    subroutine put_wires(file, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       type(poinsot_error), intent(inout) :: error
       character(*), parameter :: along = "(cos($1)*cos(k*pi/6),cos($1)*sin(k*pi/6),sin($1))"
       character(*), parameter :: round = "(cos($1)*cos(k*pi/6),sin($1)*cos(k*pi/6),sin(k*pi/6))"
@@ -69,7 +69,7 @@ contains
    !> The curve of a unit vector, thinner on the far side, and a point at its end: the last elements
    !> of a plot.
    subroutine put_trace(file, vector, far, near, point, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file        !! open
       character(*), intent(in) :: vector        !! "(x,y,z)", of the columns of a row
       character(*), intent(in) :: far, near     !! line widths
       character(*), intent(in) :: point         !! size of the point

@@ -39,8 +39,8 @@ contains
 
    !> Left the curve of the axis on the sphere, right its two angles against each other.
    subroutine write_nutation(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       call open_out(path, file, error)
@@ -88,8 +88,8 @@ contains
 
    !> Angle of the followed axis from the vertical against time, a curve for each of few bodies.
    subroutine write_tilt(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       integer :: n
@@ -118,8 +118,8 @@ contains
    !> Angle of the followed axis about z against time, in a frame that may turn; of many bodies each
    !> in a lane of its own.
    subroutine write_angle(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       integer :: n

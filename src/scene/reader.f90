@@ -30,8 +30,8 @@ contains
    !> Read a scene file. Errors: POINSOT_E_IO if it cannot be read, POINSOT_E_SCENE if it is not a
    !> namelist file.
    subroutine read_source(file, source, error)
-      character(*), intent(in) :: file
-      type(scene_source), intent(out) :: source
+      character(*), intent(in) :: file          !! its name
+      type(scene_source), intent(out) :: source !! the scanned file
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: text
       call load_text(file, text, error)
@@ -41,9 +41,9 @@ contains
 
    !> Scan the text of a scene file. Error: POINSOT_E_SCENE naming file and line.
    subroutine scan_source(text, file, source, error)
-      character(*), intent(in) :: text   !! the bytes of the file
-      character(*), intent(in) :: file   !! its name, for messages
-      type(scene_source), intent(out) :: source
+      character(*), intent(in) :: text          !! the bytes of the file
+      character(*), intent(in) :: file          !! its name, for messages
+      type(scene_source), intent(out) :: source !! the scanned file
       type(poinsot_error), intent(inout) :: error
       type(cursor) :: here
       type(scene_group) :: group

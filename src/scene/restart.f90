@@ -36,7 +36,7 @@ contains
 
    !> Write a restart file under a temporary name, then give it its own. Error: POINSOT_E_IO.
    subroutine write_restart(path, state, error)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path !! of the file
       type(restart_state), intent(in) :: state
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
@@ -115,7 +115,7 @@ contains
    !> Read a restart file. Error: POINSOT_E_IO if it cannot be read, POINSOT_E_SCENE if it is none,
    !> of another version, truncated, changed, or of another number of bodies.
    subroutine read_restart(path, bodies, kinds, state, error)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path            !! of the file
       integer(i8), intent(in) :: bodies           !! how many the scene has
       integer(i8), intent(in) :: kinds            !! their `sum_of_kinds`
       type(restart_state), intent(out) :: state
@@ -135,7 +135,7 @@ contains
    !> Method, splitting and step of a restart file: what a scene that leaves them to `auto` goes on
    !> with. Errors as of read_restart.
    subroutine read_choice(path, method, splitting, h, error)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path            !! of the file
       character(:), allocatable, intent(out) :: method, splitting
       real(dp), intent(out) :: h                  !! 0: none
       type(poinsot_error), intent(inout) :: error

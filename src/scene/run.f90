@@ -1,8 +1,10 @@
 !> Run a typed scene: states, steps, frames, summary, restart, plot scripts.
 module poinsot_scene_run
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised, clear
-   use poinsot_core_status, only: poinsot_e_memory, poinsot_e_method, poinsot_e_scene, poinsot_e_io
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
+      poinsot_e_scene, poinsot_e_io
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
@@ -45,7 +47,7 @@ contains
    !> says that the run is not complete.
    !> With a crew, bodies are dealt out to its ranks; every rank calls, rank 0 writes.
    subroutine run_scene(scene, out, watch, report, error, crew)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene    !! the typed scene
       character(*), intent(in) :: out              !! folder for the output
       class(run_watch), intent(inout) :: watch     !! asked whether to go on, told how far it is
       type(run_report), intent(out) :: report      !! what the summary says
@@ -124,7 +126,7 @@ contains
 
    !> Can the scene be run? Makes the plan, runs nothing. Error: whatever the plan refuses.
    subroutine check_scene(scene, error)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       type(poinsot_error), intent(inout) :: error
       type(engine) :: trial
       call start_engine(scene, trial, error)
@@ -345,6 +347,11 @@ contains
       type(poinsot_error), intent(inout) :: error
       call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
       if (raised(error)) return
+      if (.not. (all(ieee_is_finite(run%kinetic)) .and. all(ieee_is_finite(run%potential)))) then
+         call raise(error, poinsot_e_domain, "at t = " // text_of(run%t) // &
+            " the energy is beyond the range of numbers; use other units, or smaller settings")
+         return
+      end if
       call follow_drift(run%states, run%kinetic, run%potential, report%drift)
       call write_frame(run%frames, scene, run%t, run%states, run%kinetic, run%potential, error)
       report%outputs = report%outputs + 1

@@ -33,9 +33,9 @@ contains
 
    !> Write the summary. Error: POINSOT_E_IO.
    subroutine write_summary(path, scene, report, states, error)
-      character(*), intent(in) :: path
-      type(scene_settings), intent(in) :: scene
-      type(run_report), intent(in) :: report
+      character(*), intent(in) :: path          !! of the file
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      type(run_report), intent(in) :: report    !! what the summary says
       type(body_states), intent(in) :: states   !! at the end
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file

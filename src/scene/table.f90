@@ -18,7 +18,7 @@ contains
    !> Read rows of a time and `columns` values. Error: POINSOT_E_IO if the file cannot be read,
    !> POINSOT_E_SCENE naming file and line of what is no such row.
    subroutine read_table(file, columns, times, values, error)
-      character(*), intent(in) :: file
+      character(*), intent(in) :: file                    !! its name
       integer, intent(in) :: columns                      !! values beside the time
       real(dp), allocatable, intent(out) :: times(:)      !! (rows)
       real(dp), allocatable, intent(out) :: values(:)     !! (columns*rows), row after row

@@ -258,14 +258,14 @@ contains
 
    !> Did the user give this key?
    pure logical function given(typed, key)
-      type(typed_group), intent(in) :: typed
-      character(*), intent(in) :: key !! its name
+      type(typed_group), intent(in) :: typed !! keys with their values
+      character(*), intent(in) :: key        !! its name
       given = find_setting(typed, key) > 0
    end function given
 
    !> The numbers of a key, given or default; size 0 if there are none.
    subroutine numbers_of(typed, key, values)
-      type(typed_group), intent(in) :: typed
+      type(typed_group), intent(in) :: typed           !! keys with their values
       character(*), intent(in) :: key                  !! its name
       real(dp), allocatable, intent(out) :: values(:)
       integer :: k
@@ -279,8 +279,8 @@ contains
 
    !> The one number of a key, given or default; 0 if there is none.
    real(dp) function number_of(typed, key) result(value)
-      type(typed_group), intent(in) :: typed
-      character(*), intent(in) :: key !! its name
+      type(typed_group), intent(in) :: typed !! keys with their values
+      character(*), intent(in) :: key        !! its name
       real(dp), allocatable :: values(:)
       call numbers_of(typed, key, values)
       value = 0
@@ -289,8 +289,8 @@ contains
 
    !> The text of a key, given or default.
    function word_of(typed, key) result(text)
-      type(typed_group), intent(in) :: typed
-      character(*), intent(in) :: key !! its name
+      type(typed_group), intent(in) :: typed !! keys with their values
+      character(*), intent(in) :: key        !! its name
       character(:), allocatable :: text
       integer :: k
       k = find_setting(typed, key)
@@ -303,7 +303,7 @@ contains
 
    !> The one number of a key as an integer within bounds. Error: POINSOT_E_SCENE.
    subroutine integer_of(typed, key, least, most, value, error)
-      type(typed_group), intent(in) :: typed
+      type(typed_group), intent(in) :: typed           !! keys with their values
       character(*), intent(in) :: key                  !! its name
       integer(i8), intent(in) :: least, most           !! bounds
       integer(i8), intent(out) :: value
@@ -330,9 +330,9 @@ contains
 
    !> Raise POINSOT_E_SCENE naming file, line, group and key.
    subroutine complain(typed, key, message, error)
-      type(typed_group), intent(in) :: typed
-      character(*), intent(in) :: key      !! its name
-      character(*), intent(in) :: message  !! what is wrong and what would be right
+      type(typed_group), intent(in) :: typed !! keys with their values
+      character(*), intent(in) :: key        !! its name
+      character(*), intent(in) :: message    !! what is wrong and what would be right
       type(poinsot_error), intent(inout) :: error
       integer :: k, line
       k = find_setting(typed, key)

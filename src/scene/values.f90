@@ -20,8 +20,8 @@ contains
 
    !> The values behind the equals sign.
    subroutine scan_list(here, group, entry, error)
-      type(cursor), intent(inout) :: here
-      character(*), intent(in) :: group
+      type(cursor), intent(inout) :: here !! moves on
+      character(*), intent(in) :: group   !! its name
       type(scene_entry), intent(inout) :: entry
       type(poinsot_error), intent(inout) :: error
       type(scene_value) :: nothing

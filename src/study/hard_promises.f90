@@ -20,7 +20,7 @@ module poinsot_study_hard_promises
 
    ! What is promised, and its bound in 1e-16.
    character(9), parameter :: promise_names(10) = [character(9) :: &
-      "units-2", "units-10", "axes", "zero", "return", "rest", "any-step", "too-far", &
+      "units-2", "units-10", "axes", "zero", "return", "at-rest", "any-step", "too-far", &
       "near-unit", "no-unit"]
 
    real(dp), parameter :: promise_bounds(10) = [ & !! in 1e-16
@@ -66,7 +66,7 @@ contains
          case ("axes"); one = other_orders(name, b)
          case ("zero"); one = no_step(name, b)
          case ("return"); one = there_and_back(name, b)
-         case ("rest"); one = at_rest(name, b)
+         case ("at-rest"); one = at_rest(name, b)
          case ("any-step"); one = any_step(name, b)
          case ("too-far"); one = too_far(name, b)
          case ("near-unit"); one = near_unit(name, b)
