@@ -3,8 +3,8 @@ module poinsot_scene_run
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised, clear
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, poinsot_e_scene, &
-      poinsot_e_io
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
+      poinsot_e_scene, poinsot_e_io
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
@@ -302,8 +302,8 @@ contains
    end function time_in
 
    !> The steps of one piece, in chunks between looks at the watch. Bits do not depend on where
-   !> chunks end, but for a splitting with a processor, which works at both ends of each: there their
-   !> length is fixed, and no matter of the clock.
+   !> chunks end, but for a splitting with a processor, which works at both ends of each: there
+   !> their length is fixed, and no matter of the clock.
    subroutine march_piece(scene, part, done, run, watch, crew, report, error)
       type(scene_settings), intent(in) :: scene
       type(piece), intent(in) :: part
