@@ -162,7 +162,7 @@ contains
          "   plot_*.gp         gnuplot scripts; their pictures too where gnuplot is found", &
          "", &
          "q is a unit quaternion, scalar first, from body to space; y the angular momentum in", &
-         "the body frame. Interrupted (Ctrl-C, kill, a closed terminal), a run ends soon with all its files", &
+         "the body frame. Interrupted (Ctrl-C), a run ends at the next step with all its files", &
          "readable and a restart; the summary says so, and the exit code is 1."])
    end subroutine help_run
 
