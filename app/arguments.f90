@@ -38,7 +38,7 @@ contains
    !> The value of an option at place i, "--name value" or "--name=value"; moves i to the last word
    !> used. Not found: no value follows.
    subroutine option_value(words, i, value, found)
-      type(word_list), intent(in) :: words
+      type(word_list), intent(in) :: words !! what follows the command
       integer, intent(inout) :: i
       character(:), allocatable, intent(out) :: value
       logical, intent(out) :: found

@@ -25,8 +25,8 @@ contains
 
    !> The command.
    subroutine command_choose(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(study_options) :: options
       type(scene_settings) :: scene
       type(choose_request) :: request

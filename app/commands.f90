@@ -2,7 +2,7 @@
 module app_commands
    use poinsot_scene_crew, only: run_crew
    use poinsot_core_nearest, only: nearest_name
-   use app_arguments, only: word, word_list, command_words
+   use app_arguments, only: word, word_list, command_words, is_option
    use app_codes, only: exit_ok, exit_usage
    use app_help, only: command, table, show_help, show_command_help
    use app_terminal, only: complain
@@ -12,7 +12,8 @@ module app_commands
    use app_measured, only: command_properties, command_hard
    use app_choose, only: command_choose
    use app_reproduce, only: command_reproduce
-   use app_lists, only: command_methods, command_splittings, command_effects, command_scenes
+   use app_lists, only: command_methods, command_splittings, command_effects, command_keys, &
+      command_scenes
    implicit none(type, external)
    private
    public :: run_command
@@ -49,7 +50,12 @@ contains
       case default
          continue
       end select
-      if (.not. any(table%name == name)) then
+      if (is_option(name)) then
+         call complain("unknown option '" // name // "'; there are --help and --version, " // &
+                       "others stand behind a command")
+         code = exit_usage
+         return
+      else if (.not. any(table%name == name)) then
          call complain("unknown command '" // name // "'; the nearest known one is '" // &
                        nearest_name(name(:min(len(name), 60)), table%name) // &
                        "' (poinsot --help shows all)")
@@ -93,6 +99,8 @@ contains
          call command_splittings(words, code)
       case ("effects")
          call command_effects(words, code)
+      case ("keys")
+         call command_keys(words, code)
       case ("scenes")
          call command_scenes(words, code)
       case default

@@ -21,16 +21,17 @@ module app_cost
    public :: command_cost
 
    character(13), parameter :: known(12) = [character(13) :: "--out", "--budget", "--methods", &
-      "--splittings", &
-      "--tol", "--spread", "--states", "--sums", "--rivals", "--set", "--no-pictures", "--quiet"]
+      "--splittings", "--tol", "--spread", "--states", "--sums", "--rivals", "--set", &
+      "--no-pictures", "--quiet"]
+   real(dp), parameter :: to_write = 0.5_dp, to_draw = 6 !! seconds of the budget
    real(dp), parameter :: usual_tolerances(5) = [1e-3_dp, 1e-6_dp, 1e-9_dp, 1e-12_dp, 1e-15_dp]
 
 contains
 
    !> The command.
    subroutine command_cost(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(study_options) :: options
       type(scene_settings) :: scene
       type(cost_request) :: request
@@ -59,9 +60,9 @@ contains
       call names_in(options%methods, request%methods)
       call names_in(options%splittings, request%splittings)
       if (options%budget /= "") call seconds_of("cost", options%budget, request%budget, good)
+      request%reserve = min(0.1_dp*request%budget, merge(to_draw, to_write, options%pictures))
       if (good .and. options%tol /= "") call numbers_in("cost", "--tol", options%tol, 1e-17_dp, &
-         1.0_dp, &
-                                                       tolerances, good)
+         1.0_dp, tolerances, good)
       if (good .and. options%states /= "") then
          call numbers_in("cost", "--states", options%states, 1.0_dp, 1e5_dp, states, good)
          if (good) request%members = nint(states(1))
@@ -113,8 +114,7 @@ contains
       end if
       if (study%stopped) call complain("asked to stop: what was measured until then is written")
       if (.not. options%quiet) call show_file(out // "/cost.txt")
-      if (options%pictures) call draw_pictures(cost_pictures(:merge(4, 3, size(study%drift) > 0)), &
-         out, options%quiet)
+      if (options%pictures) call draw_pictures(cost_pictures(study), out, options%quiet)
       if (.not. options%quiet) call say("written to " // out)
       code = merge(exit_usage, exit_ok, code == exit_usage)
    end subroutine measure

@@ -20,9 +20,8 @@ contains
       end if
       do i = 1, size(names)
          call execute_command_line("cd " // escaped(out) // " && gnuplot plot_" // &
-            trim(names(i)) // &
-                                   ".gp >gnuplot.log 2>&1 && rm -f gnuplot.log", exitstat=state, &
-                                      cmdstat=code)
+                                   trim(names(i)) // ".gp >gnuplot.log 2>&1 && rm -f gnuplot.log", &
+                                   exitstat=state, cmdstat=code)
          if (state /= 0 .or. code /= 0) then
             call complain("gnuplot failed on plot_" // trim(names(i)) // &
                ".gp; see gnuplot.log beside it")

@@ -1,18 +1,18 @@
 !> Where scenes are: a file, or a name in the folders where scenes are kept.
 module app_find_scene
+   use poinsot_core_nearest, only: nearest_name
    use app_arguments, only: word, word_list
    use app_terminal, only: executable_folder, environment
    implicit none(type, external)
    private
-   public :: find_scene, scene_folders, shipped_scenes
+   public :: find_scene, missing_scene, scene_folders, shipped_scenes
 
    character(*), parameter :: ending = ".nml"
 
    !> The scenes that are shipped, in the order of the list.
-   character(16), parameter :: shipped_scenes(11) = [character(16) :: "free-body", &
-      "tennis-racket", &
-      "heavy-top", "sleeping-top", "kovalevskaya", "satellite", "rotating-field", "dipole-chain", &
-      "gyrostat", "thermostat", "large-ensemble"]
+   character(16), parameter :: shipped_scenes(11) = [character(16) :: &
+      "free-body", "tennis-racket", "heavy-top", "sleeping-top", "kovalevskaya", "satellite", &
+      "rotating-field", "dipole-chain", "gyrostat", "thermostat", "large-ensemble"]
 
 contains
 
@@ -37,6 +37,20 @@ contains
       end do
       file = scene
    end subroutine find_scene
+
+   !> What to say of a scene that was not found.
+   function missing_scene(scene) result(message)
+      character(*), intent(in) :: scene
+      character(:), allocatable :: message
+      if (any(shipped_scenes == scene)) then
+         message = "the scene '" // scene // "' is shipped, but not beside this program; name " // &
+            "the folder of the scenes in POINSOT_SCENES"
+      else
+         message = "there is no file '" // scene // "' and no scene of that name; the nearest " // &
+            "shipped one is '" // trim(nearest_name(scene(:min(len(scene), 60)), &
+            shipped_scenes)) // "' (poinsot scenes lists them)"
+      end if
+   end function missing_scene
 
    !> The folders, in the order they are searched.
    subroutine scene_folders(folders)

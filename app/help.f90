@@ -11,7 +11,7 @@ module app_help
       character(60) :: about
    end type command
 
-   type(command), parameter :: table(10) = [ &
+   type(command), parameter :: table(11) = [ &
       command("run", "run a scene: trajectory, summary, restart, pictures"), &
       command("cost", "what accuracy costs in time, on a scene"), &
       command("choose", "the cheapest method and step that meet a tolerance"), &
@@ -21,6 +21,7 @@ module app_help
       command("methods", "list the methods that turn a free body"), &
       command("splittings", "list the schemes that alternate kicks and turns"), &
       command("effects", "list the effects with their keys; or explain one"), &
+      command("keys", "all keys of a scene file: type, default, units"), &
       command("scenes", "list the scenes that are shipped; or print one")]
 
 contains
@@ -77,32 +78,42 @@ contains
             "again. Exit code 3: nothing meets the tolerance."])
       case ("reproduce")
          call put([character(100) :: &
-            "poinsot reproduce hairer-vilmart | fasso | celledoni [--out DIR] [--budget TIME]", &
+            "poinsot reproduce review | hairer-vilmart | fasso | celledoni [OPTIONS]", &
             "", &
-            "   hairer-vilmart   error against work of two free bodies, order 2 to 10, and the", &
+            "   review           the thrown book of Vilmart's review (2013), figure 1: distance", &
+            "                    from the published end by several methods, and its picture", &
+            "   hairer-vilmart   error against time of two free bodies, order 2 to 10, and the", &
             "                    exact step (J. Phys. A 39, 13225, 2006, figure 1)", &
             "   fasso            error over the triangle of all bodies for each method: how much", &
             "                    methods of one order differ (J. Comput. Phys. 189, 527, 2003)", &
             "   celledoni        when the exact rotor pays inside a splitting (SIAM J. Sci.", &
             "                    Comput. 30, 2084, 2008); takes --budget, default 120s", &
             "", &
-            "Figure 1 of Vilmart's review is `poinsot run free-body`. Numbers as CSV, pictures", &
-            "by gnuplot, in DIR (default poinsot-out/FIGURE). --no-pictures, --quiet as in cost."])
+            "Prints what was found; numbers as CSV, pictures by gnuplot, in DIR of --out (default", &
+            "poinsot-out/FIGURE). --no-pictures, --quiet as in cost."])
       case ("properties")
          call put([character(100) :: &
             "poinsot properties [--out DIR]", &
             "", &
-         "Measures what every method keeps, a few seconds: its order, the quadratic and linear", &
-         "invariants, whether it is Poisson, symplectic, time-reversible and exact for symmetric", &
-         "bodies; and how far the library's kernel is from the map so judged. DIR/properties.csv", &
-            "holds the numbers behind each yes and no."])
+            "Measures what every method keeps, a few seconds: its order, the quadratic and", &
+            "linear invariants, whether it is Poisson, symplectic, time-reversible and exact for", &
+            "symmetric bodies; and how far the library's kernel is from the map so judged.", &
+            "DIR/properties.csv holds the numbers behind each yes and no."])
       case ("hard")
          call put([character(100) :: &
-            "poinsot hard [--out DIR]", &
+            "poinsot hard [NAME] [--out DIR]", &
             "", &
-         "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI units,", &
-            "...) through every method, a few seconds, and prints the worst errors in units of", &
-            "conditioning, refusals, and a verdict on each method. DIR/hard.csv holds the rest."])
+            "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI", &
+            "units, ...) through every method, measures ten promises (other units, axes in any", &
+            "order, there and back, steps of any size, quaternions off unit norm, ...), and", &
+            "seven tops and fields in every splitting: the worst errors, refusals, and a verdict", &
+            "on each against its bound. A few seconds.", &
+            "", &
+            "   NAME        one case, method or splitting: every figure, bound and verdict of it", &
+            "   --out DIR   all of it in DIR/hard.csv", &
+            "", &
+            "docs/robustness.md says what each case is and where each method's limit lies. Exit", &
+            "code 3: a verdict is bad."])
       case ("methods")
          call put([character(100) :: &
             "poinsot methods", &
@@ -123,6 +134,13 @@ contains
             "Lists the effects a scene can hold, each a group &NAME ... / in the scene file. A", &
             "NAME: its formula, its keys with defaults and units, what it is tested against.", &
             "NAME may also be scene, bodies or output: the keys of those groups."])
+      case ("keys")
+         call put([character(100) :: &
+            "poinsot keys [GROUP]", &
+            "", &
+            "Every key of every group of a scene file, or of one group: what it takes, its", &
+            "default, its units or choices, what it means. The tables are in Markdown, and", &
+            "stand in docs/scenes.md with the rules around them."])
       case ("scenes")
          call put([character(100) :: &
             "poinsot scenes [NAME]", &

@@ -1,22 +1,23 @@
-!> poinsot methods, splittings, effects, scenes: what there is.
+!> poinsot methods, splittings, effects, keys, scenes: what there is.
 module app_lists
    use poinsot_core_error, only: poinsot_error
    use poinsot_core_nearest, only: nearest_name
    use poinsot_effect_settings, only: effect_info, effect_key
-   use poinsot_effect_registry, only: effect_count, describe_effect
+   use poinsot_effect_registry, only: effect_count
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_splitting_registry, only: splitting_count, splitting_name, find_splitting
    use poinsot_splitting_tableaux, only: splitting
-   use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_text, only: text_of
    use app_arguments, only: word_list, is_option
    use app_codes, only: exit_ok, exit_usage
-   use app_find_scene, only: find_scene, shipped_scenes
+   use app_find_scene, only: find_scene, missing_scene, shipped_scenes
+   use app_keys, only: group_count, get_group, put_table
    use app_run, only: unknown_option
    use app_terminal, only: say, complain
    implicit none(type, external)
    private
-   public :: command_methods, command_splittings, command_effects, command_scenes
+   public :: command_methods, command_splittings, command_effects, command_keys, &
+      command_scenes
 
 contains
 
@@ -36,15 +37,14 @@ contains
       end do
       fine = size(words%at) <= most
       if (.not. fine) then
-         call complain(command // ": '" // words%at(most + 1)%text // &
-            "' is one too many")
+         call complain(command // ": '" // words%at(most + 1)%text // "' is one too many")
       end if
    end function fine
 
    !> poinsot methods
    subroutine command_methods(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(free_method) :: method
       type(poinsot_error) :: error
       character(20) :: name
@@ -65,8 +65,8 @@ contains
 
    !> poinsot splittings
    subroutine command_splittings(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(splitting) :: scheme
       type(poinsot_error) :: error
       character(18) :: name
@@ -90,32 +90,19 @@ contains
 
    !> poinsot effects [NAME]
    subroutine command_effects(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(effect_info) :: info
-      character(18) :: names(effect_count + 3)
       integer :: i
       code = exit_usage
       if (.not. fine("effects", words, 1)) return
-      do i = 1, size(names)
-         call get_info(i, info)
-         names(i) = info%name
-      end do
       if (size(words%at) == 1) then
-         do i = 1, size(names)
-            if (names(i) == words%at(1)%text) exit
-         end do
-         if (i > size(names)) then
-            call complain("effects: unknown effect '" // words%at(1)%text // &
-               "'; the nearest known " // &
-                          "one is '" // nearest_name(words%at(1)%text, names) // "'")
-            return
-         end if
-         call get_info(i, info)
+         call find_group("effects: unknown effect", words%at(1)%text, info, i)
+         if (i == 0) return
          call explain(info)
       else
          do i = 1, effect_count
-            call get_info(i, info)
+            call get_group(i, info)
             call say(info%name // trim(info%formula))
          end do
          call say("")
@@ -124,22 +111,44 @@ contains
       code = exit_ok
    end subroutine command_effects
 
-   !> Effects, then the groups that are none.
-   subroutine get_info(i, info)
-      integer, intent(in) :: i
+   !> poinsot keys [GROUP]
+   subroutine command_keys(words, code)
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
+      type(effect_info) :: info
+      integer :: i, k
+      code = exit_usage
+      if (.not. fine("keys", words, 1)) return
+      if (size(words%at) == 1) then
+         call find_group("keys: unknown group", words%at(1)%text, info, i)
+         if (i == 0) return
+         call put_table(info)
+      else
+         do k = 1, group_count
+            i = 1 + mod(k - 1 + effect_count, group_count) ! &scene, &bodies, &output first
+            call get_group(i, info)
+            if (size(info%keys) > 0) call put_table(info)
+         end do
+      end if
+      code = exit_ok
+   end subroutine command_keys
+
+   !> A group by name; complains itself.
+   subroutine find_group(what, name, info, i)
+      character(*), intent(in) :: what            !! a name that is none
+      character(*), intent(in) :: name
       type(effect_info), intent(out) :: info
-      select case (i - effect_count)
-      case (1)
-         call scene_keys(info)
-      case (2)
-         call bodies_keys(info)
-      case (3)
-         call output_keys(info)
-      case default
-         info = describe_effect(i)
-      end select
-      if (.not. allocated(info%keys)) allocate (info%keys(0))
-   end subroutine get_info
+      integer, intent(out) :: i                   !! its number; 0: there is none
+      character(18) :: names(group_count)
+      do i = 1, group_count
+         call get_group(i, info)
+         if (info%name == name) return
+         names(i) = info%name
+      end do
+      i = 0
+      call complain(what // " '" // name // "'; the nearest known one is '" // &
+                    nearest_name(name(:min(len(name), 60)), names) // "'")
+   end subroutine find_group
 
    !> One group: formula, keys, check.
    subroutine explain(info)
@@ -187,8 +196,8 @@ contains
 
    !> poinsot scenes [NAME]
    subroutine command_scenes(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       integer :: i
       code = exit_usage
       if (.not. fine("scenes", words, 1)) return
@@ -217,10 +226,7 @@ contains
       code = exit_usage
       call find_scene(name, file, found)
       if (.not. found) then
-         call complain("scenes: there is no scene '" // name // &
-            "' in this folder, in POINSOT_SCENES or " // &
-                       "beside the program; the nearest shipped one is '" // &
-                       nearest_name(name(:min(len(name), 60)), shipped_scenes) // "'")
+         call complain("scenes: " // missing_scene(name))
          return
       end if
       open (newunit=unit, file=file, action="read", status="old", iostat=code)

@@ -18,8 +18,8 @@ contains
 
    !> poinsot properties [--out DIR]
    subroutine command_properties(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(poinsot_error) :: error
       character(:), allocatable :: folder
       call read_folder("properties", words, folder, code)
@@ -28,36 +28,43 @@ contains
       call finish(error, code)
    end subroutine command_properties
 
-   !> poinsot hard [--out DIR]
+   !> poinsot hard [NAME] [--out DIR]
    subroutine command_hard(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(poinsot_error) :: error
-      character(:), allocatable :: folder
-      call read_folder("hard", words, folder, code)
+      character(:), allocatable :: folder, only
+      call read_folder("hard", words, folder, code, only)
       if (code /= exit_ok) return
-      call run_hard(folder, output_unit, error)
+      call run_hard(only, folder, output_unit, error)
       call finish(error, code)
    end subroutine command_hard
 
-   !> The folder of --out, "" without one; anything else is complained of.
-   subroutine read_folder(command, words, folder, code)
+   !> The folder of --out, and a name where one is expected, "" without one; anything else is
+   !> complained of.
+   subroutine read_folder(command, words, folder, code, only)
       character(*), intent(in) :: command
       type(word_list), intent(in) :: words
       character(:), allocatable, intent(out) :: folder
       integer, intent(out) :: code
-      character(:), allocatable :: name
+      character(:), allocatable, intent(out), optional :: only
+      character(:), allocatable :: name, first
       logical :: found
       integer :: i
       folder = ""
+      first = ""
       code = exit_usage
       i = 0
       do while (i < size(words%at))
          i = i + 1
          name = words%at(i)%text
          if (.not. is_option(name)) then
-            call complain(command // ": '" // name // "' is one too many")
-            return
+            if (len(first) > 0 .or. .not. present(only)) then
+               call complain(command // ": '" // name // "' is one too many")
+               return
+            end if
+            first = name
+            cycle
          end if
          if (index(name, "=") > 0) name = name(:index(name, "=") - 1)
          if (name /= "--out") then
@@ -70,6 +77,7 @@ contains
             return
          end if
       end do
+      if (present(only)) only = first
       code = exit_ok
    end subroutine read_folder
 

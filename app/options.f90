@@ -2,7 +2,7 @@
 module app_options
    use poinsot_core_kinds, only: dp
    use poinsot_scene_number, only: parse_real, number_ok
-   use poinsot_scene_text, only: joined
+   use poinsot_scene_text, only: joined, text_of
    use app_arguments, only: word, word_list, option_value, is_option
    use app_find_scene, only: shipped_scenes
    use app_run, only: unknown_option
@@ -23,12 +23,12 @@ contains
 
    !> Words to options; complains itself.
    subroutine read_study_options(command, words, known, options, good, question)
-      character(*), intent(in) :: command
-      type(word_list), intent(in) :: words
-      character(*), intent(in) :: known(:)        !! the options of this command
+      character(*), intent(in) :: command            !! for messages
+      type(word_list), intent(in) :: words           !! what follows the command
+      character(*), intent(in) :: known(:)           !! the options of this command
       type(study_options), intent(out) :: options
       logical, intent(out) :: good
-      character(*), intent(in), optional :: question   !! said if nothing is named; default: a scene
+      character(*), intent(in), optional :: question !! said if nothing is named; default: a scene
       character(:), allocatable :: name, value
       integer :: i
       call start(options)
@@ -149,8 +149,7 @@ contains
       if (good) good = value*unit >= 0.1_dp .and. value*unit <= 86400
       if (good) seconds = value*unit
       if (.not. good) call complain(command // ": --budget " // text // &
-         " is not a time from 0.1 s to a day, " // &
-                                    "as 60s or 2m")
+         " is not a time from 0.1 s to a day, as 60s or 2m")
    end subroutine seconds_of
 
    !> "1e-3,1e-6" as numbers within bounds; complains itself.
@@ -170,8 +169,9 @@ contains
          if (good) good = outcome == number_ok
          if (good) good = values(i) >= least .and. values(i) <= most
       end do
-      if (.not. good) call complain(command // ": " // option // " " // text // &
-         " is not a list of numbers in range")
+      if (good) return
+      call complain(command // ": " // option // " " // text // " is no number, or no list " // &
+                    "a,b,c, from " // text_of(least) // " to " // text_of(most))
    end subroutine numbers_in
 
    !> "a,b,c" as words.

@@ -49,8 +49,7 @@ contains
    subroutine wipe(self)
       class(progress_watch), intent(inout) :: self
       if (self%dirty) then
-         write (error_unit, "(a)", advance="no") achar(13) // repeat(" ", 70) // &
-            achar(13)
+         write (error_unit, "(a)", advance="no") achar(13) // repeat(" ", 70) // achar(13)
       end if
       flush (error_unit)
       self%dirty = .false.

@@ -4,14 +4,18 @@ module app_reproduce
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_nearest, only: nearest_name
    use poinsot_scene_files, only: make_folder
+   use poinsot_scene_text, only: joined
+   use poinsot_study_plots, only: either
    use poinsot_study_repeat_celledoni, only: repeat_celledoni
    use poinsot_study_repeat_fasso, only: repeat_fasso
    use poinsot_study_repeat_hairer, only: repeat_hairer
+   use poinsot_study_repeat_review, only: repeat_review
    use app_arguments, only: word_list
    use app_codes, only: exit_ok, exit_usage, exit_of_run
-   use app_draw, only: draw_pictures
+   use app_draw, only: draw_pictures, show_file
    use app_options, only: study_options, read_study_options, seconds_of
    use app_progress, only: progress_watch
+   use app_run, only: command_run
    use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
    implicit none(type, external)
    private
@@ -19,15 +23,15 @@ module app_reproduce
 
    character(13), parameter :: known(4) = [character(13) :: "--out", "--budget", "--no-pictures", &
       "--quiet"]
-   character(16), parameter :: figures(3) = [character(16) :: "hairer-vilmart", "fasso", &
+   character(16), parameter :: figures(4) = [character(16) :: "review", "hairer-vilmart", "fasso", &
       "celledoni"]
 
 contains
 
    !> The command.
    subroutine command_reproduce(words, code)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       type(study_options) :: options
       type(progress_watch) :: watch
       type(poinsot_error) :: error
@@ -36,13 +40,12 @@ contains
       logical :: good
       code = exit_usage
       call read_study_options("reproduce", words, known, options, good, &
-         "which figure? There are " // &
-                              "hairer-vilmart, fasso and celledoni")
+                              "which figure? There are " // joined(figures))
       if (.not. good) return
       if (.not. any(figures == options%scene)) then
          call complain("reproduce: unknown figure '" // options%scene // &
             "'; the nearest known one is '" // &
-                       nearest_name(options%scene(:min(len(options%scene), 60)), figures) // "'")
+            nearest_name(options%scene(:min(len(options%scene), 60)), figures) // "'")
          return
       end if
       budget = 120
@@ -55,6 +58,8 @@ contains
       call make_folder(out, error)
       if (.not. raised(error)) then
          select case (options%scene)
+         case ("review")
+            call repeat_review(out, error)
          case ("hairer-vilmart")
             call repeat_hairer(out, error)
          case ("fasso")
@@ -69,9 +74,29 @@ contains
          call complain(error%message)
          return
       end if
+      if (.not. options%quiet) call show_file(out // "/" // options%scene // ".txt")
+      if (options%scene == "review") then
+         call run_book(out, options, code)
+         return
+      end if
       if (options%pictures) call draw_pictures([options%scene], out, options%quiet)
       if (.not. options%quiet) call say("written to " // out)
       code = exit_ok
    end subroutine command_reproduce
+
+   !> The review's figure is that of the shipped scene.
+   subroutine run_book(out, options, code)
+      character(*), intent(in) :: out
+      type(study_options), intent(in) :: options
+      integer, intent(out) :: code
+      type(word_list) :: words
+      allocate (words%at(5))
+      words%at(1)%text = "free-body"
+      words%at(2)%text = "--out"
+      words%at(3)%text = out
+      words%at(4)%text = either("--quiet", "--out=" // out, options%quiet)
+      words%at(5)%text = either("--out=" // out, "--no-pictures", options%pictures)
+      call command_run(words, code)
+   end subroutine run_book
 
 end module app_reproduce

@@ -18,7 +18,7 @@ module app_run
    use poinsot_study_auto, only: settle
    use app_arguments, only: word, word_list, option_value, is_option
    use app_codes, only: exit_ok, exit_runtime, exit_usage, exit_of_run
-   use app_find_scene, only: find_scene, shipped_scenes
+   use app_find_scene, only: find_scene, missing_scene, shipped_scenes
    use app_progress, only: progress_watch
    use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
    implicit none(type, external)
@@ -39,8 +39,8 @@ contains
 
    !> The command.
    subroutine command_run(words, code, crew)
-      type(word_list), intent(in) :: words
-      integer, intent(out) :: code
+      type(word_list), intent(in) :: words !! what follows the command
+      integer, intent(out) :: code         !! exit code
       class(run_crew), intent(inout), optional :: crew
       type(run_options) :: options
       type(scene_settings) :: scene
@@ -76,8 +76,7 @@ contains
          if (.not. is_option(name)) then
             good = len(options%scene) == 0
             if (.not. good) then
-               call complain("run: one scene at a time; '" // name // &
-                  "' is a second one")
+               call complain("run: one scene at a time; '" // name // "' is a second one")
             end if
             options%scene = name
             cycle
@@ -134,10 +133,8 @@ contains
          call complain(command // ": unknown option '" // name // "'; there is only --help")
       else
          call complain(command // ": unknown option '" // name // &
-            "'; the nearest known one is " // &
-                       nearest_name(name(:min(len(name), 60)), options) // " (poinsot " // &
-                          command // &
-                       " --help shows all)")
+                       "'; the nearest known one is " // nearest_name(name(:min(len(name), 60)), &
+                       options) // " (poinsot " // command // " --help shows all)")
       end if
    end subroutine unknown_option
 
@@ -153,11 +150,7 @@ contains
       integer :: i
       call find_scene(name, file, good)
       if (.not. good) then
-         call complain("there is no file '" // name // &
-            "' and no scene of that name; the nearest " // &
-                       "shipped one is '" // nearest_name(name(:min(len(name), 60)), &
-                          shipped_scenes) // &
-                       "' (poinsot scenes lists them)")
+         call complain(missing_scene(name))
          return
       end if
       call read_source(file, source, error)
@@ -232,8 +225,7 @@ contains
       end if
       if (report%state == "interrupted") then
          call complain("interrupted at t = " // text_of(report%t) // &
-            "; continue with --set scene.from=" // &
-                       out // "/" // scene%output%restart)
+                       "; continue with --set scene.from=" // out // "/" // scene%output%restart)
          code = exit_runtime
          return
       end if

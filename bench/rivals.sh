@@ -35,4 +35,5 @@ cp "$out/members.csv" "$out/rivals-members.csv"
 files=$out/rivals-fortran.csv
 $work/rivals "$file" "$out/members.csv" "$files"
 if "$PYTHON" bench/rivals.py "$out/members.csv" "$out/rivals-python.csv"; then files=$files,$out/rivals-python.csv; fi
-$stage/bin/poinsot cost "$scene" --budget "$budget" --rivals "$files" --out "$out"
+$stage/bin/poinsot cost "$scene" --budget "$budget" --rivals "$files" --out "$out" \
+   --tol 1e-3,1e-6,1e-9,1e-12,1e-14,1e-15

@@ -17,11 +17,10 @@ module poinsot
    use poinsot_body_inertia, only: principal_axes
    use poinsot_core_error, only: poinsot_error, raise, raised, clear
    use poinsot_core_kinds, only: dp, i8
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, &
-      poinsot_e_method, &
-      poinsot_e_step, poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, &
-         poinsot_e_partial, poinsot_e_io, &
-      poinsot_e_scene, poinsot_e_cpu, poinsot_status_text => status_text
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_size, &
+      poinsot_e_domain, poinsot_e_method, poinsot_e_step, poinsot_e_convergence, poinsot_e_memory, &
+      poinsot_e_callback, poinsot_e_partial, poinsot_e_io, poinsot_e_scene, poinsot_e_cpu, &
+      poinsot_status_text => status_text
    use poinsot_core_version, only: poinsot_version => version_number
    use poinsot_effect_callback, only: poinsot_user_torque => user_torque, &
       poinsot_user_potential => user_potential
@@ -32,7 +31,7 @@ module poinsot
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_elliptic_jacobi, only: poinsot_jacobi => jacobi_functions
    use poinsot_ensemble_bodies, only: poinsot_bodies => body_view, view_rows, view_columns, column
-   use poinsot_ensemble_coupled, only: poinsot_torque => torque_callback
+   use poinsot_ensemble_system, only: poinsot_torque => torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, &
       poinsot_degrees_of_freedom => total_degrees_of_freedom
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, set_option, &
@@ -48,8 +47,8 @@ module poinsot
    public :: dp, i8, poinsot_error, raised, clear
    public :: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method, &
       poinsot_e_step
-   public :: poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, poinsot_e_partial, &
-      poinsot_e_io
+   public :: poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, &
+      poinsot_e_partial, poinsot_e_io
    public :: poinsot_e_scene, poinsot_e_cpu, poinsot_status_text, poinsot_version
    public :: poinsot_method_count, poinsot_method_name, poinsot_splitting_count, &
       poinsot_splitting_name
@@ -172,8 +171,8 @@ contains
       real(dp), intent(in), target :: q(:, :)        !! attitudes, scalar first; must stay where
                                                      !! they are
       type(poinsot_error), intent(inout) :: error    !! POINSOT_E_SIZE for shapes that do not fit
-      if (size(y, 1) < 3 .or. size(y, 1) > 4 .or. size(q, 1) /= 4 .or. size(y, 2) /= size(q, 2)) &
-         then
+      if (size(y, 1) < 3 .or. size(y, 1) > 4 .or. size(q, 1) /= 4 .or. &
+          size(y, 2) /= size(q, 2)) then
          call raise(error, poinsot_e_size, &
             "bodies in rows: the shapes must be y(3, n) or y(4, n), and q(4, n)")
       else
@@ -187,8 +186,8 @@ contains
       type(poinsot_bodies), intent(inout) :: bodies
       real(dp), intent(in), target :: y(:, :), q(:, :)
       type(poinsot_error), intent(inout) :: error
-      if (size(y, 2) < 3 .or. size(y, 2) > 4 .or. size(q, 2) /= 4 .or. size(y, 1) /= size(q, 1)) &
-         then
+      if (size(y, 2) < 3 .or. size(y, 2) > 4 .or. size(q, 2) /= 4 .or. &
+          size(y, 1) /= size(q, 1)) then
          call raise(error, poinsot_e_size, &
             "component arrays: the shapes must be y(n, 3) or y(n, 4), and q(n, 4)")
       else

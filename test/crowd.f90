@@ -11,8 +11,8 @@ module test_crowd
    use test_bodies, only: random_quaternion, random_stream, start_stream, uniform
    implicit none(type, external)
    private
-   public :: crowd, make_crowd, plain_plan, mixed_plan, with_effect, class_count, same_bits, &
-      turned_tensor
+   public :: crowd, make_crowd, plain_plan, mixed_plan, with_effect, class_count, &
+      same_bits, turned_tensor
 
    integer, parameter :: class_count = 9
 

@@ -116,8 +116,6 @@ contains
       gap = max(abs(norm2(q) - 1), drift_of_length(y, body%y), space_momentum_gap(y, q, body%y, &
          body%q))
       may = 20e-16_dp*max(1.0_dp, sqrt(abs(turn)))
-      ! three-rotations turns momentum into a linear body's axis, where none can be, and drops it
-      if (method == 1 .and. any(body%moments <= 0)) may = may + allowed_error(method, abs(turn))
       call check(error, gap < may, &
          told("loses |q|, |y| or Qy by "//text(gap)))
       if (allocated(error)) return

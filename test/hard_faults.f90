@@ -7,7 +7,7 @@ module test_hard_faults
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, &
       poinsot_e_callback
    use poinsot_ensemble_bodies, only: body_view, view_rows
-   use poinsot_ensemble_coupled, only: torque_callback
+   use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_plan, only: poinsot_plan, make_ready, set_option
    use poinsot_ensemble_step, only: step_bodies, kick_bodies
    use poinsot_free_method, only: method_count, method_name

@@ -85,6 +85,10 @@ no_memory() {
    eval "$CC -std=c99 test/c/memory.c -o build/installed/build/memory $(config --cflags --libs)" &&
       OMP_NUM_THREADS=1 LD_LIBRARY_PATH=$prefix/lib build/installed/build/memory
 }
+memory_flat() {
+   eval "$CC -std=c99 -Wall -Wextra -Werror test/c/flat.c -o build/installed/build/flat $(config --cflags --libs)" &&
+      OMP_NUM_THREADS=1 LD_LIBRARY_PATH=$prefix/lib build/installed/build/flat
+}
 # A scene of 3e8 bodies in an address space of 2 GB: a message and exit code 1, not a signal.
 no_memory_app() {
    (ulimit -v 2000000 && OMP_NUM_THREADS=1 "$prefix/bin/poinsot" run free-body --set bodies.count=300000000 --out build/installed/large)
@@ -116,6 +120,20 @@ files() {
    if nm "$prefix/lib/libpoinsot.a" | grep -q testdrive; then echo "test-drive is in the library"; return 1; fi
 }
 app() { "$prefix/bin/poinsot" --version | grep -F "$version"; }
+# Every script that a study writes is drawn; gnuplot leaves a log where it complains.
+study_pictures() {
+   for study in "cost heavy-top --splittings srkn6,omelyan4 --budget 3s" "cost free-body --budget 3s" "reproduce review" \
+      "reproduce hairer-vilmart" "reproduce fasso" "reproduce celledoni --budget 5s"; do
+      rm -rf build/installed/study
+      # shellcheck disable=SC2086 # words
+      "$prefix/bin/poinsot" $study --quiet --out build/installed/study || return 1
+      for script in build/installed/study/plot_*.gp; do
+         picture=${script%.gp}
+         picture=build/installed/study/${picture##*/plot_}
+         [ -s "$picture.png" ] && [ -s "$picture.svg" ] || { echo "$study: no $picture"; cat build/installed/study/gnuplot.log; return 1; }
+      done
+   done
+}
 nothing_left() { [ "$(cd "$prefix" && find . | sort | tr '\n' ' ')" = ". ./stranger " ] || { find "$prefix"; return 1; }; }
 
 expect "install" tools/install.sh install "$prefix"
@@ -156,6 +174,7 @@ if have pkg-config; then
    else
       skip "abuse-valgrind" "no valgrind, or a build with AVX-512"
    fi
+   [ "$(uname)" != Linux ] || expect "memory-stays-flat" memory_flat
    if [ "$(uname)" = Linux ]; then expect "no-memory" no_memory; else skip "no-memory" "for glibc"; fi
    if have qemu-x86_64 && native_build; then
       expect "older-processor" older_processor
@@ -175,6 +194,11 @@ if [ -n "$have_api" ]; then
 fi
 [ ! -x "$prefix/bin/poinsot" ] || expect "app" app
 [ ! -x "$prefix/bin/poinsot" ] || [ "$(uname)" != Linux ] || expect "no-memory-app" no_memory_app
+if [ -x "$prefix/bin/poinsot" ] && have gnuplot; then
+   expect "study-pictures" study_pictures
+else
+   skip "study-pictures" "no gnuplot"
+fi
 expect "uninstall" tools/install.sh uninstall "$prefix"
 expect "nothing-left" nothing_left
 

@@ -15,9 +15,11 @@ program check_poinsot
    use test_free, only: collect_free
    use test_hard, only: collect_hard, collect_hard_deep
    use test_hard_faults, only: collect_hard_faults_deep
+   use test_long, only: collect_long, collect_long_deep
    use test_oracle, only: collect_oracle
    use test_properties, only: collect_properties
    use test_rattle, only: collect_rattle
+   use test_repeat, only: collect_repeat
    use test_rotation, only: collect_rotation
    use test_scene, only: collect_scene
    use test_splitting, only: collect_splitting
@@ -43,8 +45,10 @@ program check_poinsot
       new_testsuite("ensemble", collect_ensemble), &
       new_testsuite("scene", collect_scene), &
       new_testsuite("study", collect_study), &
+      new_testsuite("repeat", collect_repeat), &
       new_testsuite("choose", collect_choose), &
-      new_testsuite("hard", collect_hard)]
+      new_testsuite("hard", collect_hard), &
+      new_testsuite("long", collect_long)]
    first = 1
    call get_argument(first, suite)
    if (allocated(suite)) then
@@ -86,6 +90,7 @@ contains
       type(testsuite_type), allocatable :: list(:)
       list = [ &
          new_testsuite("long-drift", collect_drift_deep), &
+         new_testsuite("long-deep", collect_long_deep), &
          new_testsuite("choose-promise", collect_choose_deep), &
          new_testsuite("hard-deep", collect_hard_deep), &
          new_testsuite("hard-faults-deep", collect_hard_faults_deep)]

@@ -55,12 +55,17 @@ contains
       ok = .true.
       select case (self%name)
       case ("three-rotations")
+         if (any(.not. self%inverse > 0)) then ! a linear body turns about its momentum
+            problem%inverse = self%inverse
+            call taylor_flow(problem, h, y, q, report)
+            ok = report%finished
+            return
+         end if
          call single_rotation(3, h/2, self%inverse(3), y, q)
          call single_rotation(2, h/2, self%inverse(2), y, q)
          call single_rotation(1, h, self%inverse(1), y, q)
          call single_rotation(2, h/2, self%inverse(2), y, q)
          call single_rotation(3, h/2, self%inverse(3), y, q)
-         where (.not. self%inverse > 0) y = 0 ! no momentum about an axis without inertia
       case ("symmetric-rotation")
          call symmetric_rotation(self%inverse, h, y, q)
       case ("midpoint")

@@ -98,8 +98,8 @@ contains
          text = "&gyrostat rotor = " // vector(k, 21, 0.4_dp) // " /" // break
       end if
       if (u < 0.88_dp) return
-      text = text // "&field dipole = " // vector(k, 28, 0.5_dp) // ", strength = 1, 0, 0 /" // &
-         break
+      text = text // "&field dipole = " // vector(k, 28, 0.5_dp) // &
+         ", strength = 1, 0, 0 /" // break
    end function effects
 
    !> Outputs, for half of the scenes.
@@ -110,8 +110,7 @@ contains
       text = ""
       if (draw(k, 30) < 0.5_dp) return
       text = "&output every = " // text_of(t_end/nint(4*30**draw(k, 31))) // &
-         ", pictures = 'none' /" // &
-             new_line("a")
+         ", pictures = 'none' /" // new_line("a")
    end function outputs
 
 end module test_random_scenes

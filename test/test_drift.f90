@@ -89,14 +89,13 @@ contains
          do j = 1, 2
             if (j == 1 .and. .not. r%method%conserves_energy) cycle
             call measure_slope(real(times, dp), rms(:, j), 1.0e-19_dp, slope(j), used)
-            call check(error, rms(points, j) < largest, name//merge(", plain,      ", ", &
-               compensated,", &
-               mode == 1)//merge(" H: ", "|y|:", j == 1)//text(rms(points, j)))
+            call check(error, rms(points, j) < largest, &
+                       name//merge(", plain,      ", ", compensated,", mode == 1)//merge(" H: ", &
+                       "|y|:", j == 1)//text(rms(points, j)))
             if (allocated(error)) return
             call check(error, slope(j) < merge(0.9_dp, 0.65_dp, mode == 1), &
-               name//merge(", plain,      ", ", compensated,", mode == 1)//merge(" H ", "|y|", &
-                  j == 1)// &
-               " grows with the power "//text(slope(j)))
+                       name//merge(", plain,      ", ", compensated,", mode == 1)//merge(" H ", &
+                       "|y|", j == 1)// " grows with the power "//text(slope(j)))
             if (allocated(error)) return
          end do
       end do
@@ -128,8 +127,8 @@ contains
          call defects(r, rms(mode), momentum(mode), norm(mode))
          call growth(path, exponents)
          write (output_unit, '(2x, a, 6x, 3es15.2, 10x, 3f8.2)') modes(mode), rms(mode), &
-            momentum(mode), &
-            norm(mode), minval(exponents), sum(exponents)/rotors_count, maxval(exponents)
+                momentum(mode), norm(mode), minval(exponents), sum(exponents)/rotors_count, &
+                maxval(exponents)
          call check(error, all(r%status == poinsot_ok) .and. norm(mode) < 1.0e-15_dp, &
             "|q|: "//text(norm(mode)))
          if (allocated(error)) return

@@ -121,9 +121,8 @@ contains
       call make_effect("gravity", [number_setting("center", generic_y)], made, refusal)
       call check(error, refusal%code, poinsot_e_method)
       if (allocated(error)) return
-      call check(error, index(refusal%message, "'centre'") > 0 .and. index(refusal%message, &
-         "'center'") > 0, &
-         refusal%message)
+      call check(error, index(refusal%message, "'centre'") > 0 .and. &
+                 index(refusal%message, "'center'") > 0, refusal%message)
       if (allocated(error)) return
       refusal = poinsot_error()
       call make_effect("callback", [setting ::], made, refusal)
@@ -147,11 +146,9 @@ contains
       call refused("gravity", [centre, number_setting("class", [-1.0_dp])], d, error)
       call refused("gravity", [centre, number_setting("class", [1.5_dp])], d, error)
       call refused("field", [number_setting("dipole", generic_y), number_setting("strength", &
-         generic_y), &
-         text_setting("motion", "dancing")], d, error)
+                   generic_y), text_setting("motion", "dancing")], d, error)
       call refused("field", [number_setting("dipole", generic_y), number_setting("strength", &
-         generic_y), &
-         number_setting("motion", [1.0_dp])], d, error)
+                   generic_y), number_setting("motion", [1.0_dp])], d, error)
       call refused("gravity_gradient", [number_setting("rate", [1.0_dp]), &
          number_setting("normal", [1.0_dp, 0.0_dp, 1.0_dp])], d, error)
       call refused("torque", [number_setting("times", [0.0_dp, 1.0_dp]), &
@@ -159,16 +156,14 @@ contains
       call refused("torque", [number_setting("times", [1.0_dp, 1.0_dp]), &
          number_setting("table", [1.0_dp, 2.0_dp, 3.0_dp, 1.0_dp, 2.0_dp, 3.0_dp])], d, error)
       call refused("torque", [number_setting("times", [1.0_dp]), number_setting("table", &
-         generic_y), &
-         number_setting("value", generic_y)], d, error)
+                   generic_y), number_setting("value", generic_y)], d, error)
       call refused("torque", [text_setting("file", "torque.dat")], d, error)
       call refused("drag", [number_setting("friction", [1.0_dp, 2.0_dp])], d, error)
       call refused("drag", [number_setting("friction", [-1.0_dp])], d, error)
       call refused("langevin", [number_setting("friction", [1.0_dp]), &
-         number_setting("temperature", [-1.0_dp])], &
-         d, error)
-      call refused("dipoles", [number_setting("dipole", [1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp])], s, &
-         error)
+                   number_setting("temperature", [-1.0_dp])], d, error)
+      call refused("dipoles", &
+                   [number_setting("dipole", [1.0_dp, 2.0_dp, 3.0_dp, 4.0_dp])], s, error)
       call refused("dipoles", [number_setting("dipole", generic_y), number_setting("spacing", &
          [0.0_dp])], d, error)
       call refused("dipoles", [number_setting("dipole", generic_y), &
@@ -198,17 +193,15 @@ contains
       type(poinsot_error) :: refusal
       real(dp) :: u(lanes), v(lanes)
       call make_effect("gravity", [number_setting("centre", generic_y)], plain, refusal)
-      call make_effect("gravity", [number_setting("centre", generic_y), number_setting("weight", &
-         [1.0_dp]), &
-         number_setting("class", [3.0_dp]), number_setting("up", [0.0_dp, 0.0_dp, 1e200_dp])], &
-         said, refusal)
+      call make_effect("gravity", [number_setting("centre", generic_y), &
+                       number_setting("weight", [1.0_dp]), number_setting("class", [3.0_dp]), &
+                       number_setting("up", [0.0_dp, 0.0_dp, 1e200_dp])], said, refusal)
       call energy_of(plain, states(1), 0.0_dp, u)
       call energy_of(said, states(1), 0.0_dp, v)
       call check(error, all(u == v), "defaults")
       if (allocated(error)) return
-      call check(error, said%class_index == 3 .and. .not. said%acts_on(1) .and. said%acts_on(3) &
-         .and. plain%acts_on(7), &
-         "class")
+      call check(error, said%class_index == 3 .and. .not. said%acts_on(1) .and. &
+                 said%acts_on(3) .and. plain%acts_on(7), "class")
    end subroutine test_defaults
 
    subroutine test_moving(error)
@@ -226,9 +219,9 @@ contains
             < 1e-15_dp, "rotating")
       end select
       if (allocated(error)) return
-      call make_effect("field", [number_setting("dipole", x), number_setting("strength", e), &
-         number_setting("frequency", [2.0_dp]), text_setting("motion", "oscillating")], made, &
-         refusal)
+      call make_effect("field", [number_setting("dipole", x), &
+                       number_setting("strength", e), number_setting("frequency", [2.0_dp]), &
+                       text_setting("motion", "oscillating")], made, refusal)
       select type (made)
       type is (field)
          call check(error, maxval(abs(made%at_time(pi/6) - 0.5_dp*e)) < 1e-15_dp, "oscillating")
@@ -248,11 +241,11 @@ contains
       if (allocated(error)) return
       select type (made)
       type is (torque)
-         call check(error, all(made%at_time(-5.0_dp) == a) .and. all(made%at_time(1.0_dp) == a) &
-            .and. &
-            all(made%at_time(3.0_dp) == b) .and. all(made%at_time(9.0_dp) == c) .and. &
-            maxval(abs(made%at_time(1.5_dp) - (0.75_dp*a + 0.25_dp*b))) < 1e-15_dp .and. &
-            maxval(abs(made%at_time(3.5_dp) - 0.5_dp*(b + c))) < 1e-15_dp, "table")
+         call check(error, all(made%at_time(-5.0_dp) == a) .and. &
+                    all(made%at_time(1.0_dp) == a) .and. all(made%at_time(3.0_dp) == b) .and. &
+                    all(made%at_time(9.0_dp) == c) .and. &
+                    maxval(abs(made%at_time(1.5_dp) - (0.75_dp*a + 0.25_dp*b))) < 1e-15_dp .and. &
+                    maxval(abs(made%at_time(3.5_dp) - 0.5_dp*(b + c))) < 1e-15_dp, "table")
       end select
    end subroutine test_table
 

@@ -100,8 +100,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(bench), target :: it
       real(dp) :: y(3), l(3), kinetic(lanes), potential(lanes), energy
-      call set_up(it, [0.8_dp, 0.8_dp, 0.5_dp], "exact", "srkn6", [gravity([0.0_dp, 0.0_dp, &
-         1.3_dp])])
+      call set_up(it, [0.8_dp, 0.8_dp, 0.5_dp], "exact", "srkn6", &
+                  [gravity([0.0_dp, 0.0_dp, 1.3_dp])])
       call place(it, generic_y, generic_q)
       call it%block%energies(0.0_dp, kinetic, potential)
       energy = kinetic(1) + potential(1)
@@ -215,10 +215,9 @@ contains
       real(dp), parameter :: i1 = 0.6_dp, pull = 1.2_dp, fast = 40.0_dp, small = 1e-3_dp
       real(dp) :: slow, first, last, before, now, period
       integer :: k, crossings
-      call set_up(it, [i1, i1, i1], "exact", "srkn4", [one("field", [number_setting("dipole", &
-         pull*z_axis), &
-         number_setting("strength", z_axis), number_setting("frequency", [fast]), &
-         text_setting("motion", "oscillating")])])
+      call set_up(it, [i1, i1, i1], "exact", "srkn4", [one("field", &
+                  [number_setting("dipole", pull*z_axis), number_setting("strength", z_axis), &
+                  number_setting("frequency", [fast]), text_setting("motion", "oscillating")])])
       call check(error, it%good, it%message)
       if (allocated(error)) return
       call place(it, nowhere, [cos(0.5_dp*small), sin(0.5_dp*small), 0.0_dp, 0.0_dp])
@@ -435,9 +434,8 @@ contains
       real(dp), parameter :: inertia = 0.6_dp, strength = 1.7_dp*0.49_dp/1.5_dp**3, small = 1e-4_dp
       real(dp) :: rate, part(2)
       integer :: mode
-      pair = one("dipoles", [number_setting("dipole", 0.7_dp*x_axis), number_setting("coupling", &
-         [1.7_dp]), &
-         number_setting("spacing", [1.5_dp])])
+      pair = one("dipoles", [number_setting("dipole", 0.7_dp*x_axis), &
+         number_setting("coupling", [1.7_dp]), number_setting("spacing", [1.5_dp])])
       do mode = 1, 2
          rate = sqrt(merge(1, 3, mode == 1)*strength/inertia)
          call set_up(it, [inertia, inertia, inertia], "exact", "srkn6", [gravity(nowhere)])
@@ -511,8 +509,8 @@ contains
       real(dp) :: e, kinetic(lanes), potential(lanes), u(lanes, 1), x(3, 2)
       call two%block%energies(0.0_dp, kinetic, potential)
       u = 0
-      call two%pair%add_energies([1], reshape(two%body, [lanes, 1]), reshape(two%block%q, [lanes, &
-         4, 1]), x, u)
+      call two%pair%add_energies([1], reshape(two%body, [lanes, 1]), &
+                                 reshape(two%block%q, [lanes, 4, 1]), x, u)
       e = sum(kinetic(1:2)) + sum(u)
    end function energy
 

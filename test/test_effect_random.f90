@@ -10,8 +10,8 @@ module test_effect_random
    use poinsot_effect_settings, only: number_setting
    use poinsot_rotation_random, only: random_words
    use test_bodies, only: random_stream, start_stream, random_quaternion
-   use test_turning, only: bench, set_up, place, run, rotated, generic_moments_of, generic_y, &
-      generic_q
+   use test_turning, only: bench, set_up, place, run, rotated, generic_moments_of, &
+      generic_y, generic_q
    implicit none(type, external)
    private
    public :: collect_random
@@ -41,16 +41,13 @@ contains
          int(z"03707344", i8)]
       integer(i8), parameter :: pi_key(2) = [int(z"a4093822", i8), int(z"299f31d0", i8)]
       call one_vector([0_i8, 0_i8], [0_i8, 0_i8, 0_i8, 0_i8], [int(z"6627e8d5", i8), &
-         int(z"e169c58d", i8), &
-         int(z"bc57ac4c", i8), int(z"9b00dbd8", i8)], error)
+                      int(z"e169c58d", i8), int(z"bc57ac4c", i8), int(z"9b00dbd8", i8)], error)
       if (allocated(error)) return
       call one_vector([ones, ones], [ones, ones, ones, ones], [int(z"408f276d", i8), &
-         int(z"41c83b0e", i8), &
-         int(z"a20bc7c6", i8), int(z"6d5451fd", i8)], error)
+                      int(z"41c83b0e", i8), int(z"a20bc7c6", i8), int(z"6d5451fd", i8)], error)
       if (allocated(error)) return
-      call one_vector(pi_key, pi, [int(z"d16cfe09", i8), int(z"94fdcceb", i8), int(z"5001e420", &
-         i8), &
-         int(z"24126ea1", i8)], error)
+      call one_vector(pi_key, pi, [int(z"d16cfe09", i8), int(z"94fdcceb", i8), &
+                      int(z"5001e420", i8), int(z"24126ea1", i8)], error)
    end subroutine test_philox
 
    subroutine one_vector(key, counter, want, error)
@@ -72,8 +69,8 @@ contains
       end do
       call philox_block([iand(seed, 4294967295_i8), shiftr(seed, 32)], c, word)
       do l = 1, lanes
-         call random_words(seed, int(l, i8), 77_i8 + 5_i8*4294967296_i8, 9_i4, w(1), w(2), w(3), &
-            w(4))
+         call random_words(seed, int(l, i8), 77_i8 + 5_i8*4294967296_i8, 9_i4, w(1), &
+                           w(2), w(3), w(4))
          call check(error, all(word(l, :) == w), "words differ")
          if (allocated(error)) return
       end do
@@ -207,8 +204,7 @@ contains
       integer :: b, k, l
       allocate (effects(2))
       call make_effect("langevin", [number_setting("friction", [1.0_dp]), &
-         number_setting("temperature", [0.5_dp])], &
-         effects(1)%it, refusal)
+                       number_setting("temperature", [0.5_dp])], effects(1)%it, refusal)
       call make_effect("field", [number_setting("dipole", [0.0_dp, 1.0_dp, 0.0_dp]), &
          number_setting("strength", [0.0_dp, 0.0_dp, 1.0_dp])], effects(2)%it, refusal)
       call set_up(it, generic_moments_of, "exact", "strang", effects)
@@ -258,8 +254,7 @@ contains
       type(poinsot_error) :: refusal
       allocate (effects(1))
       call make_effect("langevin", [number_setting("friction", [0.3_dp]), &
-         number_setting("temperature", [0.0_dp])], &
-         effects(1)%it, refusal)
+                       number_setting("temperature", [0.0_dp])], effects(1)%it, refusal)
       call set_up(it, generic_moments_of, "exact", "strang", effects)
       call make_effect("drag", [number_setting("friction", [0.3_dp])], effects(1)%it, refusal)
       call set_up(other, generic_moments_of, "exact", "strang", effects)
@@ -267,8 +262,8 @@ contains
       call place(other, generic_y, generic_q)
       call run(it, 0.0_dp, 0.1_dp, 0, 20)
       call run(other, 0.0_dp, 0.1_dp, 0, 20)
-      call check(error, all(it%block%y == other%block%y) .and. all(it%block%q == other%block%q), &
-         "not drag")
+      call check(error, all(it%block%y == other%block%y) .and. &
+                 all(it%block%q == other%block%q), "not drag")
    end subroutine test_cold
 
    !> A sphere's mean momentum decays as exp(-friction t/I): 3200 bodies, 5 standard errors
@@ -283,8 +278,7 @@ contains
       integer, parameter :: blocks = 100
       allocate (effects(1))
       call make_effect("langevin", [number_setting("friction", [0.5_dp]), &
-         number_setting("temperature", [0.1_dp])], &
-         effects(1)%it, refusal)
+                       number_setting("temperature", [0.1_dp])], effects(1)%it, refusal)
       call set_up(it, [2.0_dp, 2.0_dp, 2.0_dp], "exact", "strang", effects)
       it%block%seed = 3
       start = rotated(generic_q, generic_y)
@@ -307,8 +301,7 @@ contains
       type(effect_item) :: hot, plain
       type(poinsot_error) :: refusal
       call make_effect("langevin", [number_setting("friction", [0.3_dp]), &
-         number_setting("temperature", [0.0_dp])], &
-         hot%it, refusal)
+                       number_setting("temperature", [0.0_dp])], hot%it, refusal)
       call make_effect("drag", [number_setting("friction", [0.3_dp])], plain%it, refusal)
       call check(error, forward(hot) .and. forward(plain), "noise and drag have no way back")
    end subroutine test_forward

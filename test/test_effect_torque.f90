@@ -9,8 +9,8 @@ module test_effect_torque
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: number_setting, text_setting
    use test_bodies, only: random_stream, start_stream, uniform, random_quaternion
-   use test_turning, only: bench, set_up, place, product_of, rotated_back, generic_moments_of, &
-      generic_q
+   use test_turning, only: bench, set_up, place, product_of, rotated_back, &
+      generic_moments_of, generic_q
    implicit none(type, external)
    private
    public :: collect_torque, energy_of, states
@@ -54,9 +54,8 @@ contains
             w(j) = step
             call energy_of(effects(i)%it, moved(q, w), t, up)
             call energy_of(effects(i)%it, moved(q, -w), t, down)
-            call check(error, maxval(abs(g(:, j) + (up - down)/(2*step))) &
-               < 1e-9_dp*maxval(abs(g)), &
-               "torque of "//effects(i)%it%name)
+            call check(error, maxval(abs(g(:, j) + (up - &
+                       down)/(2*step))) < 1e-9_dp*maxval(abs(g)), "torque of "//effects(i)%it%name)
             if (allocated(error)) return
          end do
          call check(error, maxval(abs(g)) > 0.1_dp, "no torque of "//effects(i)%it%name)
@@ -92,8 +91,7 @@ contains
             call torque_at(one, each_moved(q, step*w), t, up)
             call torque_at(one, each_moved(q, -step*w), t, down)
             call check(error, maxval(abs(dg - (up - down)/(2*step))) < 1e-9_dp*max(1.0_dp, &
-               maxval(abs(dg))), &
-               "derivative of "//one%name)
+                       maxval(abs(dg))), "derivative of "//one%name)
             if (allocated(error)) return
          end select
       end do
@@ -176,8 +174,8 @@ contains
             p(:, :, k) = each_moved(q(:, :, k), -step*delta(:, :, k))
          end do
          call made%add_torques([1, 2], body, p, x, low)
-         call check(error, maxval(abs(dg - (high - low)/(2*step))) < 1e-9_dp*maxval(abs(dg)), &
-            "derivative")
+         call check(error, maxval(abs(dg - &
+                    (high - low)/(2*step))) < 1e-9_dp*maxval(abs(dg)), "derivative")
       class default
          call test_failed(error, "dipoles are not a pair effect")
       end select
@@ -199,12 +197,11 @@ contains
       class(effect), allocatable, intent(out) :: made
       integer, intent(out) :: body(lanes, 2)
       type(poinsot_error) :: refusal
-      call make_effect("dipoles", [number_setting("dipole", [0.3_dp, 0.4_dp, 1.0_dp, 0.0_dp, &
-         -0.7_dp, 0.2_dp]), &
-         number_setting("coupling", [1.7_dp]), number_setting("positions", &
-         [0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.2_dp, 0.0_dp, 0.1_dp, 1.1_dp, 0.3_dp, -0.9_dp, &
-         0.4_dp, 0.8_dp, &
-          0.5_dp, -0.6_dp, 1.0_dp])], made, refusal)
+      call make_effect("dipoles", &
+                       [number_setting("dipole", [0.3_dp, 0.4_dp, 1.0_dp, 0.0_dp, -0.7_dp, &
+                       0.2_dp]), number_setting("coupling", [1.7_dp]), number_setting("positions", &
+                       [0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.2_dp, 0.0_dp, 0.1_dp, 1.1_dp, 0.3_dp, &
+                       -0.9_dp, 0.4_dp, 0.8_dp, 0.5_dp, -0.6_dp, 1.0_dp])], made, refusal)
       body = 0
       body(1:3, 1) = [2, 5, 1]
       body(1:2, 2) = [4, 3]
@@ -233,9 +230,8 @@ contains
          call made%add_torques([1, 1], body, q, x, g)
          call made%add_torques([1, 1], body2, q2, x, g2)
       end select
-      call check(error, all(g2(11:12, :, 2) == g(2:1:-1, :, 1)) .and. all(g2(20, :, 1) == g(3, :, &
-         1)) .and. &
-         any(g(3, :, 1) /= 0), "bits of dipoles")
+      call check(error, all(g2(11:12, :, 2) == g(2:1:-1, :, 1)) .and. &
+                 all(g2(20, :, 1) == g(3, :, 1)) .and. any(g(3, :, 1) /= 0), "bits of dipoles")
    end subroutine test_dipole_blocks
 
    !> The review's top through dU/dQ: the torque of `gravity`, and equation (8) by its signs.
@@ -246,8 +242,8 @@ contains
       type(poinsot_error) :: refusal
       real(dp) :: g(lanes, 3), h(lanes, 3), u(lanes), v(lanes), one(3, 3)
       integer :: i
-      call make_effect("gravity", [number_setting("centre", [0.0_dp, 0.0_dp, 1.0_dp])], gravity, &
-         refusal)
+      call make_effect("gravity", [number_setting("centre", [0.0_dp, 0.0_dp, 1.0_dp])], &
+                       gravity, refusal)
       call torque_at(gravity, states(8), 0.0_dp, g)
       call torque_at(top, states(8), 0.0_dp, h)
       call energy_of(gravity, states(8), 0.0_dp, u)
@@ -259,9 +255,9 @@ contains
       do i = 1, 3
          one(i, i) = 1
       end do
-      call check(error, maxval(abs(torque_of_gradient(one, reshape([0.0_dp, 1.0_dp, 0.0_dp, &
-         0.0_dp, 0.0_dp, &
-         0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], [3, 3])) - [0.0_dp, 0.0_dp, -1.0_dp])) <= 0, "signs")
+      call check(error, maxval(abs(torque_of_gradient(one, &
+                 reshape([0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
+                 [3, 3])) - [0.0_dp, 0.0_dp, -1.0_dp])) <= 0, "signs")
    end subroutine test_callback
 
    subroutine evaluate_top(self, t, attitude, energy, gradient)
@@ -328,8 +324,7 @@ contains
          number_setting("radial", b), &
          number_setting("normal", [-2.0_dp, 1.0_dp, 0.0_dp])], effects(3)%it, refusal)
       call make_effect("spring", [number_setting("stiffness", [1.1_dp]), number_setting("axis", &
-         a), &
-         number_setting("direction", b)], effects(4)%it, refusal)
+                       a), number_setting("direction", b)], effects(4)%it, refusal)
       call make_effect("torque", [number_setting("value", a), text_setting("frame", "space")], &
          effects(5)%it, refusal)
       call make_effect("torque", [number_setting("value", b)], effects(6)%it, refusal)

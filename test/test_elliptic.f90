@@ -251,10 +251,8 @@ contains
          do i = 1, lanes
             call sincos_scalar(x(i), s1, c1)
             call check(error, same(s1, s(i)) .and. same(c1, c(i)) .and. same(exp_scalar(x(i)), &
-               e(i)) &
-               .and. same(log_scalar(abs(x(i))), l(i)) &
-               .and. same(atan2_scalar(x(i), x(mod(i, lanes) + 1)), a(i)), &
-                  "bits depend on the lane")
+                       e(i)) .and. same(log_scalar(abs(x(i))), l(i)) .and. same(atan2_scalar(x(i), &
+                       x(mod(i, lanes) + 1)), a(i)), "bits depend on the lane")
             if (allocated(error)) return
          end do
       end do
@@ -481,8 +479,8 @@ contains
       integer :: i
       nan = ieee_value(nan, ieee_quiet_nan)
       inf = transfer(9218868437227405312_i8, inf)
-      u = [1.0_dp, nan, 1.0_dp, 1.0_dp, 1.0_dp, 2.0e15_dp, inf, -inf, 1.0e15_dp, 0.0_dp, 1.0_dp, &
-         -1.0e15_dp]
+      u = [1.0_dp, nan, 1.0_dp, 1.0_dp, 1.0_dp, 2.0e15_dp, inf, -inf, 1.0e15_dp, 0.0_dp, &
+         1.0_dp, -1.0e15_dp]
       m = [0.5_dp, 0.5_dp, nan, -1.0e-9_dp, 1.1_dp, 0.5_dp, 0.5_dp, 0.0_dp, 0.7_dp, 1.0_dp, &
          -0.0_dp, 1.0_dp]
       call clear_flags()
@@ -574,8 +572,8 @@ contains
          f = 4.0_dp**(k/2)
          e = max(e, abs(carlson_rj(f, 2*f, 3*f, 5*f)*f*sqrt(f)/carlson_rj(1.0_dp, 2.0_dp, &
             3.0_dp, 5.0_dp) - 1))
-         e = max(e, abs(carlson_rd(0.0_dp, 2*f, 3*f)*f*sqrt(f)/carlson_rd(0.0_dp, 2.0_dp, &
-            3.0_dp) - 1))
+         e = max(e, abs(carlson_rd(0.0_dp, 2*f, 3*f)*f*sqrt(f)/carlson_rd(0.0_dp, &
+            2.0_dp, 3.0_dp) - 1))
       end do
       e = max(e, abs(carlson_rf(1.0e308_dp, 1.0e308_dp, &
          1.5e308_dp)*1.0e154_dp/carlson_rf(1.0_dp, 1.0_dp, 1.5_dp) - 1))
@@ -625,9 +623,9 @@ contains
          carlson_rj(1.0_dp, 1.0_dp, 1.0_dp, 0.0_dp), carlson_rj(1.0_dp, nan, 1.0_dp, 1.0_dp), &
          complete_k(1.0_dp), complete_k(-0.1_dp), complete_e(1.1_dp), complete_pi(1.0_dp, 0.5_dp), &
          legendre_f(2.0_dp, 1.0_dp), legendre_e(nan, 0.5_dp), legendre_pi(2.0_dp, 1.5_dp, 0.5_dp)]
-      right = [complete_e(1.0_dp), complete_k(1.0_dp, 1.0e-305_dp), legendre_e(2.0_dp, 1.0_dp), &
-         legendre_f(1.0_dp, 1.0_dp), complete_pi(-3.0_dp, 0.0_dp), legendre_pi(0.0_dp, 0.0_dp, &
-            0.0_dp)]
+      right = [complete_e(1.0_dp), complete_k(1.0_dp, 1.0e-305_dp), &
+         legendre_e(2.0_dp, 1.0_dp), legendre_f(1.0_dp, 1.0_dp), complete_pi(-3.0_dp, 0.0_dp), &
+         legendre_pi(0.0_dp, 0.0_dp, 0.0_dp)]
       call check_flags(error, "an integral")
       if (allocated(error)) return
       call check(error, all(is_nan(wrong)), "no NaN out of the domain")
@@ -645,9 +643,8 @@ contains
       worst = 0
       do i = 1, size(rows)
          associate (n => rows(i)%a(1), m => rows(i)%a(2), m1 => rows(i)%a(3), r => rows(i)%r)
-            worst = max(worst, [relative(complete_k(m, m1), r(1)), relative(complete_e(m, m1), &
-               r(2)), &
-               relative(complete_pi(n, m, m1), r(3))])
+            worst = max(worst, [relative(complete_k(m, m1), r(1)), &
+               relative(complete_e(m, m1), r(2)), relative(complete_pi(n, m, m1), r(3))])
          end associate
       end do
       call check_below(error, maxval(worst), 2.0e-15_dp, "complete integrals")

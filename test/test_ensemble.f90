@@ -10,18 +10,18 @@ module test_ensemble
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_ensemble_bodies, only: body_view, column, view_columns, view_rows
-   use poinsot_ensemble_coupled, only: torque_callback
+   use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_layout, only: momentum_names
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, make_ready, set_option
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name
    use poinsot_rotation_conversions, only: to_matrix
-   use poinsot_rotation_quaternion, only: quaternion_conjugate, quaternion_product, rotate, &
-      rotate_back
+   use poinsot_rotation_quaternion, only: quaternion_conjugate, quaternion_product, &
+      rotate, rotate_back
    use poinsot_splitting_registry, only: splitting_count, splitting_name, splitting_names
-   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, same_bits, &
-      turned_tensor
+   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, &
+      same_bits, turned_tensor
    use test_ensemble_bits, only: collect_bits
    use test_ensemble_every, only: collect_every
    implicit none(type, external)
@@ -94,8 +94,7 @@ contains
       allocate (p(4, it%n), q(4, it%n))
       do i = 1, it%n
          call express(variable, plan%classes(it%class(i))%moments, it%y(:, i), it%q(:, i), &
-            plan%axes(:, it%class(i)), &
-                      p(:, i), q(:, i))
+                      plan%axes(:, it%class(i)), p(:, i), q(:, i))
       end do
    end subroutine express_all
 
@@ -139,10 +138,9 @@ contains
          do i = 1, it%n
             associate (inverse => plan%classes(it%class(i))%inverse)
                expected = 0.5_dp*sum(it%y(:, i)**2*inverse)
-               call check(error, maxval(abs(l(:, i) - rotate(it%q(:, i), it%y(:, i)))) < tight &
-                  .and. &
-                          abs(kinetic(i) - expected) < 2*tight*(1 + expected), "wrong: "// &
-                             momentum_names(variable))
+               call check(error, maxval(abs(l(:, i) - &
+                          rotate(it%q(:, i), it%y(:, i)))) < tight .and. abs(kinetic(i) - &
+                          expected) < 2*tight*(1 + expected), "wrong: "// momentum_names(variable))
             end associate
             if (allocated(error)) return
          end do
@@ -188,17 +186,15 @@ contains
          call check(error, status, poinsot_ok, "drift: "//momentum_names(variable))
          if (allocated(error)) return
          i = merge(4, 3, variable == 5)
-         call check(error, maxval(abs(p(1:i, :) - pm(1:i, :))) < 2*tight &
-            .and. maxval(abs(q - qm)) < tight, &
-                    "moved otherwise: "//momentum_names(variable))
+         call check(error, maxval(abs(p(1:i, :) - pm(1:i, :))) < 2*tight .and. &
+                    maxval(abs(q - qm)) < tight, "moved otherwise: "//momentum_names(variable))
          if (allocated(error)) return
          if (variable == 2) call check(error, same_bits(p, p0), &
             "free motion must leave space momenta, to the bit")
          if (allocated(error)) return
          call drift_bodies(plan, view, -h, status, problem)
-         call check(error, maxval(abs(p(1:i, :) - p0(1:i, :))) < 2*tight &
-            .and. maxval(abs(q - q0)) < tight, &
-                    "did not come back: "//momentum_names(variable))
+         call check(error, maxval(abs(p(1:i, :) - p0(1:i, :))) < 2*tight .and. &
+                    maxval(abs(q - q0)) < tight, "did not come back: "//momentum_names(variable))
          if (allocated(error)) return
       end do
    end subroutine test_alike
@@ -225,8 +221,8 @@ contains
       call view_rows(y, q, view)
       view%body_class => classes
       call body_energies(plan, view, 0.0_dp, kinetic, potential, status, problem)
-      call check(error, kinetic(1), 0.5_dp*dot_product(omega, y(:, 1)), "T = omega.J omega/2", &
-         thr=tight)
+      call check(error, kinetic(1), 0.5_dp*dot_product(omega, y(:, 1)), &
+                 "T = omega.J omega/2", thr=tight)
       if (allocated(error)) return
       before = to_matrix(q(:, 1))
       call drift_bodies(plan, view, h, status, problem)
@@ -378,9 +374,8 @@ contains
             if (allocated(error)) return
          end do
          do axis = 1, 3
-            call check(error, abs(y(axis, axis)) <= 0 &
-               .and. abs(norm2(y(:, axis)) - norm2([0.5_dp, 0.6_dp])) < 1e-5_dp, &
-                       method_name(m)//": momentum of a linear body")
+            call check(error, abs(y(axis, axis)) <= 0 .and. abs(norm2(y(:, axis)) - norm2([0.5_dp, &
+                       0.6_dp])) < 1e-5_dp, method_name(m)//": momentum of a linear body")
             if (allocated(error)) return
          end do
       end do
@@ -415,8 +410,7 @@ contains
          if (i == 7) cycle
          q = it%q(:, i)
          call check(error, potential(i), merge(2*(q(1)**2 - q(2)**2 - q(3)**2 + q(4)**2), 0.0_dp, &
-            it%class(i) == 3), &
-                    "potential", thr=tight)
+                    it%class(i) == 3), "potential", thr=tight)
          if (allocated(error)) return
       end do
       call check(error, total_degrees_of_freedom(plan, view), 3*50 - count(it%class == 8), &
@@ -466,8 +460,7 @@ contains
       call view_rows(y, q, view)
       call step_bodies(heavy, view, 0.0_dp, 0.01_dp, 0_i8, 1000_i8, status, problem)
       call check(error, maxval(abs(q(:, 1) - [0.9257399890934638_dp, -0.3514906679727545_dp, &
-         0.1021838760186523_dp, &
-                                              -0.0949644059798463_dp])) < 1e-10_dp, "published top")
+                 0.1021838760186523_dp, -0.0949644059798463_dp])) < 1e-10_dp, "published top")
       if (allocated(error)) return
       do i = 0, 1
          call add_class(bare, moments, number, problem)

@@ -6,13 +6,13 @@ module test_ensemble_bits
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_step
    use poinsot_ensemble_bodies, only: body_view, view_rows
-   use poinsot_ensemble_coupled, only: torque_callback
+   use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_plan, only: poinsot_plan, make_ready, set_option
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_ensemble_step, only: drift_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name
-   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, class_count, &
-      same_bits
+   use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, &
+      class_count, same_bits
    implicit none(type, external)
    private
    public :: collect_bits

@@ -9,12 +9,10 @@ module test_free
       random_quaternion
    use test_free_state, only: collect_free_state
    use test_free_tools, only: method_names, method_orders, approximate_count, generic, start, &
-      start_q, turn_body, known, &
-      text, library_map, worst_of_kind, worst_of_hard, worst_of_map
+      start_q, turn_body, known, text, library_map, worst_of_kind, worst_of_hard, worst_of_map
    use test_measure, only: measure_slope, attitude_distance, momentum_distance, units
    use test_oracle_data, only: free_case, read_free_rotation, published, published_1, &
-      published_2a, &
-      published_2b, published_4_y
+      published_2a, published_2b, published_4_y
    use test_oracle_dmv, only: inverse_moments
    use test_oracle_properties, only: property_report, measure_properties
    use test_oracle_taylor, only: taylor_report, taylor_flow, free_problem
@@ -69,8 +67,8 @@ contains
       do i = 1, size(wrong)
          answer = poinsot_error()
          call find_method(trim(wrong(i)), method, answer)
-         call check(error, answer%code, poinsot_e_method, "should be refused: '"//trim(wrong(i))// &
-            "'")
+         call check(error, answer%code, poinsot_e_method, &
+                    "should be refused: '"//trim(wrong(i))// "'")
          if (allocated(error)) return
          call check(error, allocated(answer%message), "refused without a message")
          if (allocated(error)) return
@@ -118,9 +116,8 @@ contains
       do i = 1, approximate_count
          do k = 1, size(body_kinds)
             call worst_of_map(method_names(i), body_kinds(k), 12, worst)
-            call check(error, worst < 5, trim(method_names(i))//" is "//text(worst)// &
-               " e-16 off its reference map on "// &
-               body_kinds(k))
+            call check(error, worst < 5, trim(method_names(i))//" is "//text(worst)// " e-16 " // &
+                       "off its reference map on "// body_kinds(k))
             if (allocated(error)) return
          end do
       end do
@@ -179,8 +176,8 @@ contains
          "symmetric-rotation", &
          "dmv2", "dmv4", "dmv8", "midpoint"]
       logical, parameter :: poisson(7) = [.true., .true., .true., .true., .true., .true., .false.]
-      logical, parameter :: symplectic(7) = [.true., .true., .true., .true., .false., .false., &
-         .false.]
+      logical, parameter :: symplectic(7) = [.true., .true., .true., .true., .false., &
+         .false., .false.]
       real(dp), parameter :: small = 1.0e-10_dp
       type(library_map) :: map
       type(property_report) :: p
@@ -264,9 +261,9 @@ contains
       do k = 1, size(kinds)
          call worst_of_kind(name, kinds(k), cases, worst_y, worst_q, line)
          write (where_, "(i4)") line
-         call check(error, max(worst_y, worst_q) <= allowed, trim(name)//" on "//trim(kinds(k))// &
-            ": y "// &
-            text(worst_y)//", q "//text(worst_q)//" units of conditioning, line "//where_)
+         call check(error, max(worst_y, worst_q) <= allowed, &
+                    trim(name)//" on "//trim(kinds(k))//": y "//text(worst_y)//", q "// &
+                    text(worst_q)//" units of conditioning, line "//where_)
          if (allocated(error)) return
       end do
    end subroutine judge_kinds

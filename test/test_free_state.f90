@@ -2,8 +2,7 @@
 module test_free_state
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
    use, intrinsic :: ieee_exceptions, only: ieee_get_flag, ieee_set_flag, ieee_invalid, &
-      ieee_overflow, &
-      ieee_divide_by_zero, ieee_set_halting_mode, ieee_get_halting_mode
+      ieee_overflow, ieee_divide_by_zero, ieee_set_halting_mode, ieee_get_halting_mode
    use testdrive, only: new_unittest, unittest_type, error_type, check
    use poinsot_core_kinds, only: dp, qp, lanes
    use poinsot_core_error, only: poinsot_error, raised
@@ -11,11 +10,10 @@ module test_free_state
       poinsot_e_convergence
    use poinsot_body_class, only: body_class, make_class
    use poinsot_free_method, only: free_method, advance
-   use test_bodies, only: random_body, random_stream, start_stream, hard_body, body_kinds, &
-      permute_body
-   use test_free_tools, only: method_names, approximate_count, generic, start, start_q, &
-      turn_body, prepare, rest_block, &
-      random_block, known, text
+   use test_bodies, only: random_body, random_stream, start_stream, hard_body, &
+      body_kinds, permute_body
+   use test_free_tools, only: method_names, approximate_count, generic, start, start_q, turn_body, &
+      prepare, rest_block, random_block, known, text
    use test_measure, only: attitude_distance, momentum_distance
    use test_oracle_dmv, only: reference_map, make_reference
    use test_oracle_taylor, only: taylor_report, taylor_flow, free_problem
@@ -95,8 +93,8 @@ contains
             call turn_body(method_names(i), body%moments, -body%h, 1, z, r, status(3))
             call check(error, all(status(1:3) == poinsot_ok), "status of "//method_names(i))
             if (allocated(error)) return
-            call check(error, gap < 3.0e-15_dp, trim(method_names(i))//" does not come back: "// &
-               text(gap))
+            call check(error, gap < 3.0e-15_dp, &
+                       trim(method_names(i))//" does not come back: "// text(gap))
             if (allocated(error)) return
             call check(error, all(z == -y) .and. all(r == q), &
                trim(method_names(i))//": turning y and h together changes bits")
@@ -150,8 +148,8 @@ contains
                z = scale(body%y, m + w)
                r = body%q
                call turn_body(method_names(i), body%moments, body%h, 1, y, q, status(1))
-               call turn_body(method_names(i), scale(body%moments, m), scale(body%h, -w), 1, z, &
-                  r, status(2))
+               call turn_body(method_names(i), scale(body%moments, m), scale(body%h, -w), 1, &
+                              z, r, status(2))
                call check(error, status(1) == status(2), trim(method_names(i))// &
                   ": status depends on the units")
                if (allocated(error)) return
@@ -231,9 +229,8 @@ contains
          call check(error, all(z(1:3, :) == y(1:3, :)) .and. all(r(1:3, :) == q(1:3, :)), &
             trim(method_names(i))//": bits depend on the padding")
          if (allocated(error)) return
-         call check(error, all(z(10:, :) == 0) .and. all(r(10:, 1) == 1) .and. all(r(10:, &
-            2:) == 0), &
-            trim(method_names(i))//": a body at rest moves")
+         call check(error, all(z(10:, :) == 0) .and. all(r(10:, 1) == 1) .and. &
+                    all(r(10:, 2:) == 0), trim(method_names(i))//": a body at rest moves")
          if (allocated(error)) return
          call check(error, all(other(10:) == poinsot_ok), trim(method_names(i))// &
             ": a body at rest fails")
@@ -255,8 +252,8 @@ contains
          r = q
          call turn_body(method_names(i), generic, -0.3_dp, 10, y, q, status)
          do k = 1, 10
-            call turn_body(method_names(i), generic, -0.3_dp, 1, z, r, status, lane=1 + mod(3*k, &
-               lanes))
+            call turn_body(method_names(i), generic, -0.3_dp, 1, z, r, status, &
+                           lane=1 + mod(3*k, lanes))
          end do
          call check(error, all(y == z) .and. all(q == r), trim(method_names(i))// &
             ": ten steps are not ten times one")
@@ -301,8 +298,7 @@ contains
                   trim(method_names(i))//" fails with another status")
                if (allocated(error)) return
                call check(error, turn > merge(0.9_dp, 1.3_dp, any(method_names(i) == ["dmv2  ", &
-                  "rattle"])), &
-                  trim(method_names(i))//" refuses h|omega| = "//text(turn))
+                          "rattle"])), trim(method_names(i))//" refuses h|omega| = "//text(turn))
             end if
             if (allocated(error)) return
          end do
@@ -322,15 +318,13 @@ contains
       nan = ieee_value(nan, ieee_quiet_nan)
       inf = ieee_value(inf, ieee_positive_inf)
       bad = reshape([nan, 1.0_dp, 1.0_dp, 1.0_dp, inf, 1.0_dp, 1.0_dp, 1.0_dp, -0.5_dp, 0.0_dp, &
-         0.0_dp, 0.0_dp, &
-         1.0_dp, 2.0_dp, 3.1_dp, 0.0_dp, 1.0_dp, 2.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, -1.0_dp, &
-         -1.0_dp, -1.0_dp], [3, 8])
+         0.0_dp, 0.0_dp, 1.0_dp, 2.0_dp, 3.1_dp, 0.0_dp, 1.0_dp, 2.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, &
+         -1.0_dp, -1.0_dp, -1.0_dp], [3, 8])
       do k = 1, size(bad, 2)
          answer = poinsot_error()
          call make_class(bad(:, k), class, answer)
-         call check(error, answer%code, poinsot_e_domain, "moments "//text(bad(1, k))//" "// &
-            text(bad(2, k))//" "// &
-            text(bad(3, k)))
+         call check(error, answer%code, poinsot_e_domain, &
+                    "moments "//text(bad(1, k))//" "// text(bad(2, k))//" "// text(bad(3, k)))
          if (allocated(error)) return
          call check(error, allocated(answer%message), "refused without a message")
          if (allocated(error)) return
@@ -460,14 +454,14 @@ contains
             call quiet_begin(halting)
             call turn_body(method_names(i), body%moments, body%h, 1, body%y, body%q, status, lane=3)
             call quiet_end(halting, flags)
-            call check(error, .not. flags(1), trim(method_names(i))//" raises invalid on "// &
-               body%kind)
+            call check(error, .not. flags(1), &
+                       trim(method_names(i))//" raises invalid on "// body%kind)
             if (allocated(error)) return
-            call check(error, .not. flags(2), trim(method_names(i))//" raises overflow on "// &
-               body%kind)
+            call check(error, .not. flags(2), &
+                       trim(method_names(i))//" raises overflow on "// body%kind)
             if (allocated(error)) return
-            call check(error, .not. flags(3), trim(method_names(i))//" divides by zero on "// &
-               body%kind)
+            call check(error, .not. flags(3), &
+                       trim(method_names(i))//" divides by zero on "// body%kind)
             if (allocated(error)) return
          end do
       end do

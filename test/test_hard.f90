@@ -11,6 +11,7 @@ module test_hard
       all_orders, unmoved, &
       largest_rate, last_truth
    use test_hard_faults, only: collect_hard_faults
+   use test_hard_symmetry, only: collect_hard_symmetry
    use test_hard_tops, only: collect_hard_tops
    use test_measure, only: attitude_distance, momentum_distance
    implicit none(type, external)
@@ -24,9 +25,10 @@ contains
 
    subroutine collect_hard(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: tops(:), faults(:)
+      type(unittest_type), allocatable :: tops(:), faults(:), symmetry(:)
       call collect_hard_tops(tops)
       call collect_hard_faults(faults)
+      call collect_hard_symmetry(symmetry)
       testsuite = [ &
          new_unittest("separatrix", test_separatrix), &
          new_unittest("kinds-of-body", test_kinds), &
@@ -34,9 +36,10 @@ contains
          new_unittest("steps-of-any-length", test_steps), &
          new_unittest("billion-periods-symmetric", test_billion), &
          new_unittest("there-and-back", test_back), &
+         new_unittest("every-root-of-the-plain-map", test_roots), &
          new_unittest("moments-a-rounding-too-wide", test_too_wide), &
          new_unittest("rest-and-denormals", test_rest), &
-         tops, faults]
+         tops, symmetry, faults]
    end subroutine collect_hard
 
    !> The same with more orders of the axes and more steps.
@@ -351,6 +354,47 @@ contains
          end do
       end do
    end subroutine test_back
+
+   !> The plain Moser-Veselov map has a root below 90 degrees as long as h |omega| <= 1, and two
+   !> solvers of it find the same; beyond, both find it or both refuse. On a sphere the roots meet at
+   !> 1, and e = (1 - sqrt(1 - s^2))/s there.
+   subroutine test_roots(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: sizes(12) = [0.8_dp, 0.9_dp, 0.95_dp, 0.98_dp, 0.999_dp, 1.0_dp, &
+         1.03_dp, 1.06_dp, 1.1_dp, 1.15_dp, 1.25_dp, 1.4_dp]
+      type(hard_list) :: list
+      real(dp) :: y(3, 2), q(4, 2), y0(3), gap, s
+      integer :: i, k, status(2)
+      call list_kinds(list)
+      do i = 1, list%n
+         do k = 1, size(sizes)
+            if (.not. all(list%at(i)%moments > 1e-2_dp)) cycle
+            y0 = list%at(i)%y*sizes(k)*(1 - 1e-6_dp)/largest_rate(list%at(i)%moments, list%at(i)%y)
+            y = spread(y0, 2, 2)
+            q = spread([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 2, 2)
+            call turn_body("dmv2", list%at(i)%moments, 1.0_dp, 1, y(:, 1), q(:, 1), status(1))
+            call turn_body("rattle", list%at(i)%moments, 1.0_dp, 1, y(:, 2), q(:, 2), status(2))
+            call check(error, status(1) == status(2) .and. (status(1) == poinsot_ok &
+               .or. sizes(k) > 1), merge("rattle", "dmv2  ", status(1) == poinsot_ok)// &
+               " finds no root: "//list%at(i)%label//", h|omega| = "//text(sizes(k)))
+            if (allocated(error)) return
+            gap = momentum_distance(y(:, 1), y(:, 2)) + attitude_distance(q(:, 1), q(:, 2))
+            call check(error, gap < 1e-11_dp, "dmv2 and rattle differ by "//text(gap)//": "// &
+               list%at(i)%label//", h|omega| = "//text(sizes(k)))
+            if (allocated(error)) return
+         end do
+      end do
+      do k = 1, 12
+         s = 1 - 10.0_dp**(-k)
+         y(:, 1) = [0.0_dp, 0.6_dp*s, 0.8_dp*s]
+         q(:, 1) = [1, 0, 0, 0]
+         call turn_body("dmv2", [1.0_dp, 1.0_dp, 1.0_dp], 1.0_dp, 1, y(:, 1), q(:, 1), status(1))
+         gap = abs(norm2(q(2:4, 1))/q(1, 1) - (1 - sqrt((1 - s)*(1 + s)))/s)
+         call check(error, status(1) == poinsot_ok .and. gap < 1e-15_dp/sqrt(1 - s), &
+            "the root on a sphere is "//text(gap)//" off")
+         if (allocated(error)) return
+      end do
+   end subroutine test_roots
 
    !> A thin body whose I3 - I2 is many times I1, and still a rounding of I3: it is taken as flat,
    !> by all constants alike, so that the two exact methods tell the same motion.

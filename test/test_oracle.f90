@@ -4,19 +4,15 @@ module test_oracle
    use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
    use poinsot_core_kinds, only: dp, qp
    use test_bodies, only: random_body, random_stream, start_stream, hard_body, body_kinds, &
-      rate_bound, uniform, &
-      log_uniform, permute_body
+      rate_bound, uniform, log_uniform, permute_body
    use test_measure, only: measure_slope, attitude_distance, momentum_distance
    use test_oracle_data, only: free_case, read_free_rotation, top_case, read_top, dmv_term, &
-      read_dmv_coefficients, &
-      published_3
+      read_dmv_coefficients, published_3
    use test_oracle_dmv, only: table_1, rational_coefficients, exact_inverses, modified_inverses, &
-      truncated_inverses, reference_map, &
-      make_reference, inverse_moments
+      truncated_inverses, reference_map, make_reference, inverse_moments
    use test_oracle_properties, only: property_report, measure_properties
    use test_oracle_taylor, only: taylor_report, taylor_flow, taylor_verified, free_problem, &
-      top_problem, conditioning, &
-      taylor_problem
+      top_problem, conditioning, taylor_problem
    implicit none(type, external)
    private
    public :: collect_oracle
@@ -118,9 +114,8 @@ contains
       real(qp) :: y(3), q(4)
       y = published_3%y
       q = [1, 0, 0, 0]
-      call taylor_flow(top_problem(published_3%moments, [0.0_dp, 0.0_dp, 1.0_dp], [0.0_dp, &
-         0.0_dp, 1.0_dp]), &
-         real(published_3%t, qp), y, q, report)
+      call taylor_flow(top_problem(published_3%moments, [0.0_dp, 0.0_dp, 1.0_dp], &
+                       [0.0_dp, 0.0_dp, 1.0_dp]), real(published_3%t, qp), y, q, report)
       call check(error, maxval(abs(y - published_3%y_end)) < published_3%digits, "momentum")
       if (allocated(error)) return
       call check(error, maxval(abs(q - published_3%q_end)) < published_3%digits, "attitude")
@@ -237,11 +232,10 @@ contains
          order = 2 + 2*mod(i, 12)
          call modified_inverses(terms, inverse_moments(body%moments), order, real(body%h, qp), &
             real(body%y, qp), one)
-         call truncated_inverses(real(body%moments, qp), order, real(body%h, qp), real(body%y, &
-            qp), other)
-         call check(error, maxval(abs(other/one - 1)) < 1.0e-26_qp, "they differ for "// &
-            trim(body%kind)//": "// &
-            text(real(maxval(abs(other/one - 1)), dp)))
+         call truncated_inverses(real(body%moments, qp), order, real(body%h, qp), &
+                                 real(body%y, qp), other)
+         call check(error, maxval(abs(other/one - 1)) < 1.0e-26_qp, "they differ " // &
+                    "for "// trim(body%kind)//": "// text(real(maxval(abs(other/one - 1)), dp)))
          if (allocated(error)) return
       end do
    end subroutine test_truncated
@@ -288,8 +282,8 @@ contains
          "symmetric-rotation", &
          "midpoint", "dmv2", "dmv4", "dmv8"]
       logical, parameter :: poisson(7) = [.true., .true., .true., .false., .true., .true., .true.]
-      logical, parameter :: symplectic(7) = [.true., .true., .true., .false., .true., .false., &
-         .false.]
+      logical, parameter :: symplectic(7) = [.true., .true., .true., .false., .true., &
+         .false., .false.]
       logical, parameter :: energy(7) = [.true., .false., .false., .true., .true., .true., .true.]
       type(reference_map) :: map
       type(property_report) :: p
@@ -307,8 +301,7 @@ contains
          call agrees(error, names(i), "energy", p%energy, energy(i))
          if (allocated(error)) return
          call agrees(error, names(i), "common", max(p%symmetric, p%reversible, p%space_momentum, &
-            p%casimir, p%norm, &
-            p%equivariant), .true.)
+                     p%casimir, p%norm, p%equivariant), .true.)
          if (allocated(error)) return
       end do
    end subroutine test_properties
@@ -362,9 +355,8 @@ contains
       r = other%q
       call taylor_flow(free_problem(body%moments), real(body%h, qp), y, q, report)
       call taylor_flow(free_problem(other%moments), real(body%h, qp), z, r, report)
-      call check(error, maxval(abs(z + y([3, 2, 1]))) + maxval(abs(r(2:4) + q([4, 3, &
-         2]))) < 1.0e-30_qp, &
-         "an odd relabelling is not a mirror image")
+      call check(error, maxval(abs(z + y([3, 2, 1]))) + maxval(abs(r(2:4) + &
+                 q([4, 3, 2]))) < 1.0e-30_qp, "an odd relabelling is not a mirror image")
       if (allocated(error)) return
       thin = log_uniform(stream, 2.0_dp, 3.0_dp)
       call check(error, thin > 100 .and. thin < 1000, "log_uniform")

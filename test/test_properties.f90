@@ -6,7 +6,13 @@ module test_properties
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_free_method, only: method_count
    use poinsot_study_defects, only: defects, measure_defects, plain_step
-   use poinsot_study_hard, only: hard_result, judge_kind
+   use poinsot_core_error, only: poinsot_error
+   use poinsot_splitting_registry, only: splitting_count
+   use poinsot_study_hard, only: run_hard
+   use poinsot_study_hard_promises, only: promise_names
+   use poinsot_study_hard_rows, only: hard_row, measure_rows, verdict_words
+   use poinsot_study_hard_tops, only: top_names
+   use poinsot_study_hard_kinds, only: hard_result, judge_kind
    use poinsot_study_hard_cases, only: hard_case, kind_names, cases_of_kind, make_case
    use poinsot_study_properties, only: method_properties, measure_method, holds
    use poinsot_study_taylor, only: judge_flow => taylor_flow, judge_conditioning => conditioning
@@ -29,7 +35,8 @@ contains
          new_unittest("derivatives", test_derivatives), &
          new_unittest("table", test_table), &
          new_unittest("judge", test_judge), &
-         new_unittest("hard-cases", test_hard)]
+         new_unittest("hard-cases", test_hard), &
+         new_unittest("hard-promises-and-tops", test_promises)]
    end subroutine collect_properties
 
    !> The maps in dual numbers are the oracle's maps.
@@ -84,10 +91,9 @@ contains
             + 1.0e-12_dp*found%poisson, &
             trim(names(i))//" Poisson: "//text(found%poisson)//", "//text(other%poisson))
          if (allocated(error)) return
-         call check(error, abs(found%symplectic - other%symplectic) < 1.0e-17_dp &
-            + 1.0e-12_dp*found%symplectic, &
-               trim(names(i))//" symplectic: "//text(found%symplectic)// &
-            ", "//text(other%symplectic))
+         call check(error, abs(found%symplectic - other%symplectic) < &
+                    1.0e-17_dp + 1.0e-12_dp*found%symplectic, trim(names(i))// &
+                    " symplectic: "//text(found%symplectic)//", "//text(other%symplectic))
          if (allocated(error)) return
       end do
    end subroutine test_derivatives
@@ -118,8 +124,7 @@ contains
          said = [holds(row%map%energy), holds(row%map%poisson), holds(row%map%symplectic), &
             holds(row%linear), holds(row%symmetric_body)]
          call check(error, all(said == expected(:, i)), &
-            "ticks of "//trim(names(i))//": "//said(1)//said(2)// &
-            said(3)//said(4)//said(5))
+                    "ticks of "//trim(names(i))//": "//said(1)//said(2)// said(3)//said(4)//said(5))
          if (allocated(error)) return
          call check(error, max(row%map%space, row%map%casimir, row%map%norm, row%map%symmetric, &
             row%map%reversible) < 1.0e-31_dp, "what all of them keep: "//trim(names(i)))
@@ -132,6 +137,49 @@ contains
          if (allocated(error)) return
       end do
    end subroutine test_table
+
+   !> What `poinsot hard` says of promises and tops: every verdict is good, one that is not is seen,
+   !> and unknown names are refused.
+   subroutine test_promises(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(hard_row), allocatable :: rows(:)
+      type(hard_row) :: row
+      type(poinsot_error) :: problem
+      integer :: i, unit
+      open (newunit=unit, status="scratch", action="readwrite")
+      do i = 1, size(promise_names)
+         call measure_rows(trim(promise_names(i)), rows)
+         call judge_rows(error, rows, method_count())
+         if (allocated(error)) return
+      end do
+      do i = 1, size(top_names)
+         call measure_rows(trim(top_names(i)), rows)
+         call judge_rows(error, rows, splitting_count())
+         if (allocated(error)) return
+      end do
+      call run_hard("srkn6", "", unit, problem)
+      call check(error, problem%code, 0, "a verdict on srkn6 is bad")
+      if (allocated(error)) return
+      call run_hard("seperatrix", "", unit, problem)
+      call check(error, index(problem%message, "'separatrix'") > 0, "an unknown name is taken")
+      close (unit)
+      if (allocated(error)) return
+      row%good = .false.
+      call check(error, verdict_words(row), "BROKEN")
+   end subroutine test_promises
+
+   subroutine judge_rows(error, rows, wanted)
+      type(error_type), allocatable, intent(inout) :: error
+      type(hard_row), intent(in) :: rows(:)
+      integer, intent(in) :: wanted
+      integer :: i
+      call check(error, size(rows), wanted, "rows of a case")
+      do i = 1, size(rows)
+         if (allocated(error)) return
+         call check(error, rows(i)%good, trim(rows(i)%case)//" by "//trim(rows(i)%who)//": "// &
+            text(rows(i)%figure)//" breaks the bound")
+      end do
+   end subroutine judge_rows
 
    !> The judge of the hard cases and its condition numbers against the tests' own.
    subroutine test_judge(error)
@@ -178,9 +226,8 @@ contains
          do number = 1, cases_of_kind
             call make_case(kind, number, one)
             associate (i => one%moments)
-               call check(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i) &
-                  .and. minval(i) >= 0, &
-                  "no body: "//kind_names(kind))
+               call check(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i) .and. &
+                          minval(i) >= 0, "no body: "//kind_names(kind))
             end associate
             if (allocated(error)) return
          end do
@@ -188,14 +235,16 @@ contains
          call judge_kind(kind, results)
          call check(error, all(results%other == 0), "something fails on "//kind_names(kind))
          if (allocated(error)) return
+         call check(error, all(results%part <= 1), "a method does not keep its order on "// &
+            kind_names(kind))
+         if (allocated(error)) return
          call check(error, all(results(1:2, :)%answered == cases_of_kind), &
             "refused on "//kind_names(kind))
          if (allocated(error)) return
-         call check(error, max(results(1, 1)%y, results(1, 1)%q, results(2, 1)%y, results(2, &
-            1)%q) < 5, &
-            "units on "//trim(kind_names(kind))//": exact "//text(max(results(1, 1)%y, &
-               results(1, 1)%q))// &
-            ", jacobi "//text(max(results(2, 1)%y, results(2, 1)%q)))
+         call check(error, max(results(1, 1)%y, results(1, 1)%q, &
+                    results(2, 1)%y, results(2, 1)%q) < 5, &
+                    "units on "//trim(kind_names(kind))//": exact "//text(max(results(1, 1)%y, &
+                    results(1, 1)%q))// ", jacobi "//text(max(results(2, 1)%y, results(2, 1)%q)))
          if (allocated(error)) return
       end do
    end subroutine test_hard

@@ -210,8 +210,7 @@ contains
          if (allocated(error)) return
          gap = max(maxval(abs(z - y)), maxval(abs(m - mz)))
          do i = 1, 3
-            if (bodies(i, k) > 0) gap = max(gap, maxval(abs(z(:, i) - y(:, i)))/bodies(i, &
-               k)*0.1_dp)
+            if (bodies(i, k) > 0) gap = max(gap, maxval(abs(z(:, i) - y(:, i)))/bodies(i, k)*0.1_dp)
          end do
          call check(error, gap < 3.0e-14_dp, "RATTLE and dmv2 differ: "//text(gap))
          if (allocated(error)) return

@@ -160,12 +160,12 @@ contains
       do a = 1, 3
          b = modulo(a, 3) + 1
          c = modulo(b, 3) + 1
-         call within(error, apart(quaternion_product(unit(:, a), unit(:, b)), unit(:, c)), 0._dp, &
-            "i j = k")
-         call within(error, apart(quaternion_product(unit(:, b), unit(:, a)), -unit(:, c)), 0._dp, &
-            "j i = -k")
-         call within(error, apart(quaternion_product(unit(:, a), unit(:, a)), -unit(:, 0)), 0._dp, &
-            "i i = -1")
+         call within(error, apart(quaternion_product(unit(:, a), unit(:, b)), unit(:, c)), &
+                     0._dp, "i j = k")
+         call within(error, apart(quaternion_product(unit(:, b), unit(:, a)), -unit(:, c)), &
+                     0._dp, "j i = -k")
+         call within(error, apart(quaternion_product(unit(:, a), unit(:, a)), -unit(:, 0)), &
+                     0._dp, "i i = -1")
       end do
       call within(error, apart(unit(:, 0), identity_quaternion), 0._dp, "identity")
    end subroutine test_units

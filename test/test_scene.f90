@@ -6,8 +6,8 @@ module test_scene
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene, poinsot_e_partial
    use poinsot_rotation_quaternion, only: attitude_distance
    use poinsot_scene_text, only: text_of
-   use poinsot_scene_source, only: scene_source, find_group, value_null, value_number, value_text, &
-      value_logical
+   use poinsot_scene_source, only: scene_source, find_group, value_null, value_number, &
+      value_text, value_logical
    use poinsot_scene_reader, only: read_source, scan_source
    use poinsot_scene_override, only: override
    use poinsot_scene_build, only: build_scene
@@ -69,7 +69,8 @@ contains
          new_unittest("restart-refusals", test_restart_refusals), &
          new_unittest("failed-run", test_failed_run), &
          new_unittest("output-refused", test_output_refused), &
-         new_unittest("command-line", test_golden)]
+         new_unittest("command-line", test_golden), &
+         new_unittest("keys-documented", test_keys)]
    end subroutine collect_scene
 
    !> A scene from its text.
@@ -127,8 +128,7 @@ contains
       type(poinsot_error) :: failure
       call scan_source("! c'&mment" // nl // "&A x = 3*0.5, ,1d2 -.5e+1" // nl // &
                        "  S='it''s', ""two"" t(2)=.TRUE. F ! / &b" // nl // " N = 2*, 7 &END" // &
-                          nl // &
-                       "&b/", "v", source, failure)
+                       nl // "&b/", "v", source, failure)
       call check(error,.not. raised(failure), "refused")
       if (allocated(error)) return
       call check(error, source%count == 2 .and. find_group(source, "b") == 2, "groups")
@@ -137,19 +137,17 @@ contains
          call check(error, source%groups(1)%count, 4, "entries")
          if (allocated(error)) return
          call check(error, e(1)%count == 4 .and. e(1)%values(1)%repeats == 3 .and. &
-                    e(1)%values(2)%kind == value_null .and. &
-                    abs(e(1)%values(3)%number - 100) <= 0 .and. abs(e(1)%values(4)%number + &
-                       5) <= 0, "x")
+                    e(1)%values(2)%kind == value_null .and. abs(e(1)%values(3)%number - &
+                    100) <= 0 .and. abs(e(1)%values(4)%number + 5) <= 0, "x")
          if (allocated(error)) return
          call check(error, e(2)%values(1)%text // e(2)%values(2)%text, "it'stwo")
          if (allocated(error)) return
          call check(error, e(3)%first == 2 .and. e(3)%values(1)%kind == value_logical .and. &
-                    e(3)%values(1)%flag .and. .not. e(3)%values(2)%flag .and. e(3)%line == 3, &
-                       "t(2)")
+                    e(3)%values(1)%flag .and. .not. e(3)%values(2)%flag .and. &
+                    e(3)%line == 3, "t(2)")
          if (allocated(error)) return
          call check(error, e(4)%values(1)%kind == value_null .and. &
-            e(4)%values(1)%repeats == 2 .and. &
-                    e(4)%values(2)%kind == value_number, "n")
+                    e(4)%values(1)%repeats == 2 .and. e(4)%values(2)%kind == value_number, "n")
       end associate
    end subroutine test_values
 
@@ -163,9 +161,8 @@ contains
       integer :: i
       do i = 1, 3
          e = trim(ends(i))
-         call scan_source(char(239) // char(187) // char(191) // "! " // char(195) // &
-            char(169) // e // &
-                          e // "&a" // e // "x=1" // e // "/" // e, "v", source, failure)
+         call scan_source(char(239) // char(187) // char(191) // "! " // char(195) // char(169) // &
+                          e // e // "&a" // e // "x=1" // e // "/" // e, "v", source, failure)
          call check(error,.not. raised(failure), "refused")
          if (allocated(error)) return
          call check(error, source%groups(1)%entries(1)%line, 4, "line number")
@@ -314,13 +311,12 @@ contains
                                            "bodies.count=2", "bodies(3).count=2"]
       integer :: i
       call load("sleeping-top", &
-         "scene.method=dmv8;bodies(2).y=1,,3;SCENE.H = 0.25;output.every=2*", &
-                scene, failure)
+                "scene.method=dmv8;bodies(2).y=1,,3;SCENE.H = 0.25;output.every=2*", scene, failure)
       call check(error, raised(failure), "every without a number taken")
       if (allocated(error)) return
       call clear(failure)
-      call load("sleeping-top", "scene.method=dmv8;bodies(2).y=1,2,3;SCENE.H = 0.25", scene, &
-         failure)
+      call load("sleeping-top", "scene.method=dmv8;bodies(2).y=1,2,3;SCENE.H = 0.25", &
+                scene, failure)
       call check(error,.not. raised(failure), "refused")
       if (allocated(error)) return
       call check(error, scene%method == "dmv8" .and. abs(scene%h - 0.25_dp) <= 0 .and. &
@@ -355,13 +351,11 @@ contains
          do k = 1, piece_count(scene)
             part = get_piece(scene, k)
             call check(error, abs(part%from - t) <= 0 .and. part%to > part%from .and. &
-               part%steps > 0 &
-                       .and. part%h <= 0.01_dp*(1 + 1e-9_dp) .and. &
+                       part%steps > 0 .and. part%h <= 0.01_dp*(1 + 1e-9_dp) .and. &
                        abs(part%steps*part%h - (part%to - part%from)) <= 1e-12_dp, "piece")
             if (allocated(error)) return
             if (i == 1) then
-               call check(error, transfer(part%h, 0_i8) == transfer(0.01_dp, 0_i8), &
-                  "h itself")
+               call check(error, transfer(part%h, 0_i8) == transfer(0.01_dp, 0_i8), "h itself")
             end if
             if (allocated(error)) return
             t = part%to
@@ -538,14 +532,12 @@ contains
       ! given = A principal, A = [c -s; s c]; tensor = A diag(.6, .8, 1) A^T; y0 = A (1.8, .4, -.9);
       ! the attitude of the given frame is Q A^T; centre (0.3, 0, 1) of the principal frame for a
       ! test
-      call make("&scene t_end=10 h=0.02 /&bodies tensor=" // &
-                text_of(0.6_dp*c*c + 0.8_dp*s*s) // "," // text_of(-0.2_dp*c*s) // ",0," // &
-                text_of(-0.2_dp*c*s) // "," // text_of(0.6_dp*s*s + 0.8_dp*c*c) // ",0,0,0,1" // &
-                   nl // &
-                "y=" // text_of(1.8_dp*c - 0.4_dp*s) // "," // text_of(1.8_dp*s + 0.4_dp*c) // &
-                   ",-0.9" // nl // &
-                "q=" // text_of(sqrt(0.8_dp)) // ",0,0," // text_of(-sqrt(0.2_dp)) // " /" // &
-                "&gravity centre=0,0,1 /&output every=1 /", scene, failure)
+      call make("&scene t_end=10 h=0.02 /&bodies tensor=" // text_of(0.6_dp*c*c + 0.8_dp*s*s) // &
+                "," // text_of(-0.2_dp*c*s) // ",0," // text_of(-0.2_dp*c*s) // &
+                "," // text_of(0.6_dp*s*s + 0.8_dp*c*c) // ",0,0,0,1" // nl // "y=" // &
+                text_of(1.8_dp*c - 0.4_dp*s) // "," // text_of(1.8_dp*s + 0.4_dp*c) // ",-0.9" // &
+                nl // "q=" // text_of(sqrt(0.8_dp)) // ",0,0," // text_of(-sqrt(0.2_dp)) // &
+                " /&gravity centre=0,0,1 /&output every=1 /", scene, failure)
       if (.not. raised(failure)) call run_to(scene, "tensor", y, q, failure)
       call check(error,.not. raised(failure), "refused")
       if (allocated(error)) return
@@ -561,7 +553,7 @@ contains
       call cut_and_compare("rotating-field", "output.every=0.13", "scene.t_end=26", error)
       if (allocated(error)) return
       call cut_and_compare("thermostat", &
-         "bodies.count=70;output.sample=0;output.restart=restart.txt", &
+                           "bodies.count=70;output.sample=0;output.restart=restart.txt", &
                            "scene.t_end=7.5", error)
    end subroutine test_restart
 
@@ -623,8 +615,8 @@ contains
       type(run_report) :: report
       character(:), allocatable :: text, settings
       real(dp), allocatable :: y(:, :), q(:, :)
-      ! bodies enough for chunks of some steps
-      settings = "bodies.count=200;scene.h=0.002;output.every=10;scene.splitting=" // splitting
+      ! full blocks: so many body-steps that the watch is asked between outputs, in few block-steps
+      settings = "scene.h=1e-3;output.every=5;bodies.count=96;scene.splitting=" // splitting
       call load("heavy-top", settings, scene, failure)
       if (.not. raised(failure)) call run_to(scene, "whole", y, q, failure)
       call run_scene(scene, output // "/first", watch, report, failure)
@@ -682,8 +674,7 @@ contains
          if (.not. raised(failure)) call run_to(scene, "second", y, q, failure)
          call check(error, failure%code, poinsot_e_scene, "taken with " // setting)
          if (.not. allocated(error)) then
-            call check(error, index(failure%message, words) > 0, &
-               failure%message)
+            call check(error, index(failure%message, words) > 0, failure%message)
          end if
       end subroutine refused
 
@@ -723,14 +714,44 @@ contains
    !> Command lines and what they print, from test/golden; skipped without POINSOT_APP.
    subroutine test_golden(error)
       type(error_type), allocatable, intent(out) :: error
-      character(*), parameter :: names(14) = [character(20) :: "help", "help-run", "methods", &
-         "scenes-one", &
-                                              "effects-gravity", "unknown-command", &
-                                                 "unknown-option", &
-                                              "unknown-scene", "unknown-key", "unknown-method", &
-                                              "bad-moments", "bad-step", "no-value", "check"]
-      character(:), allocatable :: app, wanted, got, arguments
-      integer :: i, length, state, code
+      character(*), parameter :: names(14) = [character(20) :: &
+         "help", "help-run", "methods", "scenes-one", "effects-gravity", "unknown-command", &
+         "unknown-option", "unknown-scene", "unknown-key", "unknown-method", "bad-moments", &
+         "bad-step", "no-value", "check"]
+      character(:), allocatable :: wanted, got, arguments
+      integer :: i
+      do i = 1, size(names)
+         call slurp("test/golden/" // trim(names(i)) // ".txt", wanted)
+         call check(error, index(wanted, "$ poinsot "), 1, "no golden output: " // trim(names(i)))
+         if (allocated(error)) return
+         arguments = wanted(11:index(wanted, nl) - 1)
+         call ask_app(arguments, got, error)
+         if (allocated(error)) return
+         call check(error, got == wanted(index(wanted, nl) + 1:), "poinsot " // arguments // &
+            " prints:" // nl // got)
+         if (allocated(error)) return
+      end do
+   end subroutine test_golden
+
+   !> docs/scenes.md holds what `poinsot keys` prints; skipped without POINSOT_APP.
+   subroutine test_keys(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: page, got, tables
+      call ask_app("keys", got, error)
+      if (allocated(error)) return
+      call slurp("docs/scenes.md", page)
+      tables = got(:index(got, "exit 0") - 1)
+      call check(error, len(tables) > 1000 .and. index(page, tables) > 0, &
+                 "docs/scenes.md does not hold what `poinsot keys` prints now:" // nl // tables)
+   end subroutine test_keys
+
+   !> What the program named by POINSOT_APP prints, its exit code in the last line.
+   subroutine ask_app(arguments, got, error)
+      character(*), intent(in) :: arguments
+      character(:), allocatable, intent(out) :: got
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: app
+      integer :: length, state, code
       call get_environment_variable("POINSOT_APP", length=length)
       if (length == 0) then
          call skip_test(error, "POINSOT_APP does not name the program")
@@ -738,20 +759,11 @@ contains
       end if
       allocate (character(length) :: app)
       call get_environment_variable("POINSOT_APP", app)
-      do i = 1, size(names)
-         call slurp("test/golden/" // trim(names(i)) // ".txt", wanted)
-         call check(error, index(wanted, "$ poinsot "), 1, "no golden output: " // trim(names(i)))
-         if (allocated(error)) return
-         arguments = wanted(11:index(wanted, nl) - 1)
-         call execute_command_line("{ '" // app // "' " // arguments // "; echo exit $?; } >" // &
-                                   output // "/golden.txt 2>&1", exitstat=state, cmdstat=code)
-         call check(error, code == 0 .and. state == 0, "no shell to run the program")
-         if (allocated(error)) return
-         call slurp(output // "/golden.txt", got)
-         call check(error, got == wanted(index(wanted, nl) + 1:), "poinsot " // arguments // &
-            " prints:" // nl // got)
-         if (allocated(error)) return
-      end do
-   end subroutine test_golden
+      call execute_command_line("{ '" // app // "' " // arguments // "; echo exit $?; } >" // &
+                                output // "/golden.txt 2>&1", exitstat=state, cmdstat=code)
+      call check(error, code == 0 .and. state == 0, "no shell to run the program")
+      if (allocated(error)) return
+      call slurp(output // "/golden.txt", got)
+   end subroutine ask_app
 
 end module test_scene

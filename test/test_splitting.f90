@@ -17,8 +17,8 @@ module test_splitting
       achieved_order
    use poinsot_splitting_stepper, only: flows, run_steps
    use test_splitting_motion, only: collect_motion
-   use test_turning, only: bench, set_up, place, run, no_effects, generic_moments_of, generic_y, &
-      generic_q
+   use test_turning, only: bench, set_up, place, run, no_effects, generic_moments_of, &
+      generic_y, generic_q
    implicit none(type, external)
    private
    public :: collect_splitting
@@ -90,10 +90,9 @@ contains
          scheme = row(i)
          n = size(scheme%operations)
          associate (ops => scheme%operations, back => scheme%operations(n:1:-1))
-            call check(error, scheme%symmetric .and. mod(n, 2) == 1 .and. all(ops%b == back%b) &
-               .and. &
-               all(ops%c == back%c) .and. all(ops%is_kick .eqv. back%is_kick), &
-               "not symmetric: "//scheme%name)
+            call check(error, scheme%symmetric .and. &
+                       mod(n, 2) == 1 .and. all(ops%b == back%b) .and. all(ops%c == back%c) .and. &
+                       all(ops%is_kick .eqv. back%is_kick), "not symmetric: "//scheme%name)
             if (allocated(error)) return
             call check(error, all(ops(2:)%is_kick .neqv. ops(:n - 1)%is_kick), &
                "rotations and kicks do not alternate: "//scheme%name)
@@ -144,8 +143,7 @@ contains
          associate (ops => scheme%operations)
             do k = 1, n
                call check(error, abs(ops(k)%node - sum(ops(:k - 1)%b, &
-                  mask=.not. ops(:k - 1)%is_kick)) < &
-                  1e-15_dp, "node of "//scheme%name)
+                          mask=.not. ops(:k - 1)%is_kick)) < 1e-15_dp, "node of "//scheme%name)
                if (allocated(error)) return
             end do
             if (ops(n)%is_kick) call check(error, ops(1)%node == 0 .and. ops(n)%node == 1, &
@@ -192,9 +190,9 @@ contains
 
    subroutine test_achieved_order(error)
       type(error_type), allocatable, intent(out) :: error
-      call check(error, achieved_order(6, 0, [integer ::]) == 6 .and. achieved_order(6, 4, [0]) &
-         == 4 .and. &
-         achieved_order(8, 10, [0, 2]) == 2 .and. achieved_order(0, 0, [0]) == 0, "achieved order")
+      call check(error, achieved_order(6, 0, [integer ::]) == 6 .and. &
+                 achieved_order(6, 4, [0]) == 4 .and. achieved_order(8, 10, [0, 2]) == 2 .and. &
+                 achieved_order(0, 0, [0]) == 0, "achieved order")
    end subroutine test_achieved_order
 
    !> A scheme that ends with a kick evaluates its torque once less per step; times are right to the
@@ -210,9 +208,8 @@ contains
          log = recorder()
          call run_steps(scheme, log, t, h, 7_i8, 5_i8)
          kicks = count(scheme%operations%is_kick)
-         call check(error, log%kicks == 5*kicks .and. log%drifts == 5*(size(scheme%operations) &
-            - kicks), &
-            "flows of "//scheme%name)
+         call check(error, log%kicks == 5*kicks .and. &
+                    log%drifts == 5*(size(scheme%operations) - kicks), "flows of "//scheme%name)
          if (allocated(error)) return
          if (scheme%operations(1)%is_kick) kicks = kicks - 1
          call check(error, log%evaluations == 5*kicks + merge(1, 0, scheme%operations(1)%is_kick), &
@@ -220,12 +217,11 @@ contains
          if (allocated(error)) return
          call check(error,.not. log%stale, "a stored torque served another time: "//scheme%name)
          if (allocated(error)) return
-         call check(error, abs(log%moved - 0.5_dp) < 1e-14_dp .and. abs(log%pushed - 0.5_dp) &
-            < 1e-14_dp, &
-            "five steps are not five steps: "//scheme%name)
+         call check(error, abs(log%moved - 0.5_dp) < 1e-14_dp .and. abs(log%pushed - &
+                    0.5_dp) < 1e-14_dp, "five steps are not five steps: "//scheme%name)
          if (allocated(error)) return
-         if (scheme%operations(1)%is_kick) call check(error, log%last_time, t + 12*h, "end", &
-            thr=1e-15_dp)
+         if (scheme%operations(1)%is_kick) call check(error, log%last_time, t + 12*h, &
+            "end", thr=1e-15_dp)
          if (allocated(error)) return
       end do
    end subroutine test_stepper_counts
@@ -251,17 +247,15 @@ contains
       real(dp) :: y(lanes, 3), q(lanes, 4)
       integer :: status(lanes), k
       allocate (other(1))
-      call make_effect("gravity", [number_setting("centre", generic_y), number_setting("class", &
-         [2.0_dp])], &
-         other(1)%it, refusal)
+      call make_effect("gravity", [number_setting("centre", generic_y), &
+                       number_setting("class", [2.0_dp])], other(1)%it, refusal)
       call set_up(it, generic_moments_of, "exact", "srkn6", other)
       call check(error, it%good .and. size(it%scheme%operations) == 1, &
          "an effect of another class makes kicks")
       if (allocated(error)) return
       call set_up(it, generic_moments_of, "exact", "srkn6", no_effects())
       call check(error, size(it%scheme%operations) == 1 .and. &
-         .not. any(it%scheme%operations%is_kick), &
-         "a kick without torque")
+                 .not. any(it%scheme%operations%is_kick), "a kick without torque")
       if (allocated(error)) return
       call check(error,.not. (allocated(it%block%torques) .or. allocated(it%block%outers) .or. &
          allocated(it%block%wheel) .or. it%block%has_outer), "allocated for nothing")
@@ -290,8 +284,8 @@ contains
       call set_up(it, generic_moments_of, "exact", "chin4", effects)
       call check(error,.not. it%good, "a scheme with gradient took a torque without")
       if (allocated(error)) return
-      call check(error, index(it%message, "chin4") > 0 .and. index(it%message, "mine") > 0, &
-         it%message)
+      call check(error, index(it%message, "chin4") > 0 .and. &
+                 index(it%message, "mine") > 0, it%message)
       if (allocated(error)) return
       call set_up(it, generic_moments_of, "exact", "srkn4", effects)
       call check(error, it%good, it%message)

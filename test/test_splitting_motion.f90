@@ -77,8 +77,8 @@ contains
          number_setting("frequency", [3.0_dp]), number_setting("phase", [0.4_dp]), &
          text_setting("motion", "rotating")], effects(2)%it, refusal)
       call make_effect("torque", [number_setting("value", [0.3_dp, -0.2_dp, 0.5_dp]), &
-         number_setting("frequency", [2.0_dp]), text_setting("frame", "space")], effects(3)%it, &
-         refusal)
+                       number_setting("frequency", [2.0_dp]), text_setting("frame", "space")], &
+                       effects(3)%it, refusal)
       call set_up(it, generic_moments_of, "exact", "srkn6", effects)
       call check(error, it%good, it%message)
       if (allocated(error)) return
@@ -294,12 +294,11 @@ contains
       call make_effect("gyrostat", [number_setting("rotor", [0.1_dp, 0.2_dp, 0.3_dp])], &
          effects(4)%it, refusal)
       call make_effect("langevin", [number_setting("friction", [0.1_dp]), &
-         number_setting("temperature", [0.3_dp])], &
-         effects(5)%it, refusal)
+                       number_setting("temperature", [0.3_dp])], effects(5)%it, refusal)
       call make_effect("field", [number_setting("dipole", [0.5_dp, -0.3_dp, 0.4_dp]), &
-         number_setting("strength", [1.5_dp, 0.2_dp, 0.3_dp]), number_setting("frequency", &
-         [3.0_dp]), &
-         text_setting("motion", "oscillating")], effects(2)%it, refusal)
+                       number_setting("strength", [1.5_dp, 0.2_dp, 0.3_dp]), &
+                       number_setting("frequency", [3.0_dp]), &
+                       text_setting("motion", "oscillating")], effects(2)%it, refusal)
       do i = 1, splitting_count()
          call set_up(it, generic_moments_of, "exact", splitting_name(i), effects)
          call check(error, it%good, it%message)
@@ -343,9 +342,8 @@ contains
          it%block%y(l, :) = it%block%y(l, :)*(1 + 0.3_dp*(lanes + 1 - l))
       end do
       call run(it, 0.0_dp, 0.05_dp, 0, 20)
-      call check(error, all(it%block%y == y(lanes:1:-1, :)) .and. all(it%block%q == q(lanes:1:-1, &
-         :)), &
-         "bits depend on the lane")
+      call check(error, all(it%block%y == y(lanes:1:-1, :)) .and. &
+                 all(it%block%q == q(lanes:1:-1, :)), "bits depend on the lane")
    end subroutine test_place
 
    !> Symmetric schemes run back to where they came from.

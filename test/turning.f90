@@ -56,12 +56,10 @@ contains
       allocate (effects(3))
       call make_effect("gravity", [number_setting("centre", centre), number_setting("up", up), &
          number_setting("weight", [1.3_dp])], effects(1)%it, error)
-      call make_effect("field", [number_setting("dipole", dipole), number_setting("strength", &
-         1.1_dp*up)], &
-         effects(2)%it, error)
+      call make_effect("field", [number_setting("dipole", dipole), &
+                       number_setting("strength", 1.1_dp*up)], effects(2)%it, error)
       call make_effect("spring", [number_setting("stiffness", [0.9_dp]), number_setting("axis", &
-         axis), &
-         number_setting("direction", up)], effects(3)%it, error)
+                       axis), number_setting("direction", up)], effects(3)%it, error)
    end subroutine generic_effects
 
    !> The same for the oracle.
@@ -88,8 +86,8 @@ contains
       call make_class(moments, it%class, error)
       if (.not. raised(error)) call find_method(method, it%method, error)
       if (.not. raised(error)) call find_splitting(scheme, asked, error)
-      if (.not. raised(error)) call it%block%compose(it%class, 1, it%method, asked, it%effects, &
-         error)
+      if (.not. raised(error)) call it%block%compose(it%class, 1, it%method, asked, &
+         it%effects, error)
       it%good = .not. raised(error)
       it%message = "set-up"
       if (allocated(error%message)) it%message = error%message
@@ -191,10 +189,9 @@ contains
    pure function product_of(a, b) result(c)
       real(dp), intent(in) :: a(4), b(4)
       real(dp) :: c(4)
-      c = [a(1)*b(1) - a(2)*b(2) - a(3)*b(3) - a(4)*b(4), a(1)*b(2) + a(2)*b(1) + a(3)*b(4) &
-         - a(4)*b(3), &
-           a(1)*b(3) - a(2)*b(4) + a(3)*b(1) + a(4)*b(2), a(1)*b(4) + a(2)*b(3) - a(3)*b(2) + &
-           a(4)*b(1)]
+      c = [a(1)*b(1) - a(2)*b(2) - a(3)*b(3) - a(4)*b(4), a(1)*b(2) + &
+         a(2)*b(1) + a(3)*b(4) - a(4)*b(3), a(1)*b(3) - a(2)*b(4) + a(3)*b(1) + a(4)*b(2), &
+         a(1)*b(4) + a(2)*b(3) - a(3)*b(2) + a(4)*b(1)]
    end function product_of
 
    !> q v q*: body -> space.

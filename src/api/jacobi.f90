@@ -1,8 +1,8 @@
 !> Behind the C entry point of Jacobi's elliptic functions. See include/poinsot.h and door.c.
 module poinsot_api_jacobi
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_ptr, &
-      c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
+      c_ptr, c_size_t
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_null, poinsot_e_size
    use poinsot_elliptic_jacobi, only: jacobi_array
@@ -28,9 +28,8 @@ contains
       status = poinsot_ok
       if (n == 0) return
       status = poinsot_e_null
-      if (.not. (c_associated(u) .and. c_associated(m) .and. c_associated(sn) &
-         .and. c_associated(cn) &
-                 .and. c_associated(dn))) return
+      if (.not. (c_associated(u) .and. c_associated(m) .and. c_associated(sn) .and. &
+          c_associated(cn) .and. c_associated(dn))) return
       status = poinsot_e_size
       if (n < 0 .or. n > most) return
       call c_f_pointer(u, uu, [n])

@@ -2,8 +2,7 @@
 !> include/poinsot.h.
 module poinsot_api_library
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &
-      c_loc, c_null_char, &
-      c_null_ptr, c_ptr, c_size_t
+      c_loc, c_null_char, c_null_ptr, c_ptr, c_size_t
    use poinsot_api_build, only: built_with
    use poinsot_api_text, only: from_c
    use poinsot_core_error, only: poinsot_error, raised

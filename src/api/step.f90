@@ -9,7 +9,7 @@ module poinsot_api_step
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_null
    use poinsot_ensemble_bodies, only: body_view, column, open_column
-   use poinsot_ensemble_coupled, only: torque_callback
+   use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
    use poinsot_ensemble_step, only: check_ready, drift_bodies, kick_bodies, step_bodies
    implicit none(type, external)
@@ -154,8 +154,8 @@ contains
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
       status = poinsot_e_memory
-      allocate (unwanted(merge(0, view%n, c_associated(kinetic) .and. c_associated(potential))), &
-         stat=state)
+      allocate (unwanted(merge(0, view%n, &
+                c_associated(kinetic) .and. c_associated(potential))), stat=state)
       if (state /= 0) return
       k => unwanted
       u => unwanted

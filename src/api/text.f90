@@ -1,7 +1,7 @@
 !> Text across the C border.
 module poinsot_api_text
-   use, intrinsic :: iso_c_binding, only: c_char, c_ptr, c_null_char, c_size_t, c_associated, &
-      c_f_pointer
+   use, intrinsic :: iso_c_binding, only: c_char, c_ptr, c_null_char, c_size_t, &
+      c_associated, c_f_pointer
    implicit none(type, external)
    private
    public :: from_c, to_c, longest_text

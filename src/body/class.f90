@@ -11,14 +11,17 @@ module poinsot_body_class
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_body_moments, only: check_moments, moment_tolerance
    use poinsot_body_series, only: max_degree, degree_bound, correction_series
-   use poinsot_body_universal, only: universal_bound
+   use poinsot_body_economy, only: last_kept, economised, economy_bound
+   use poinsot_body_universal, only: universal_bound, economy_range, sine_error
    implicit none(type, external)
    private
-   public :: body_class, make_class, series_levels, level_degree, longest_step
+   public :: body_class, make_class, series_levels, longest_step
 
-   integer, parameter :: series_levels = 3              !! lengths of series the exact step offers
-   integer, parameter :: level_degree(series_levels) = [4, 6, 9] !! highest power of h^2 in P
-                                                                     !! and R
+   integer, parameter :: series_levels = 2              !! lengths of series the exact step offers
+   integer, parameter :: low_degree = 4                 !! highest power of h^2 in P and R of the
+                                                        !! first
+   real(dp), parameter :: fastest = 1e70_dp      !! angular velocity, in the caller's unit, that no
+                                                 !! body may exceed: no square of a kernel overflows
    real(dp), parameter :: longest_step = 0.7_dp         !! h |omega| of the longest single exact
                                                         !! step
 
@@ -26,6 +29,7 @@ module poinsot_body_class
    type :: body_class
       real(dp) :: moments(3) = 1          !! as the caller gave them, in the caller's axis order
       real(dp) :: inverse(3) = 1          !! 1/moment; 0 for a zero moment
+      real(dp) :: limit(3) = fastest      !! momenta that no body may exceed
       integer :: order(3) = [1, 2, 3]     !! sorted moment j is moments(order(j))
       real(dp) :: parity = 1              !! +1 or -1: sign of the permutation
       real(dp) :: sorted(3) = 1           !! ascending moments / scale
@@ -40,6 +44,8 @@ module poinsot_body_class
       real(dp) :: g3 = 0.5_dp             !! (1-theta) I1/I3
       real(dp) :: p(0:max_degree, 0:max_degree) = 0 !! series 1 + P: coefficient (i,j) of p^i r^j
       real(dp) :: r(0:max_degree, 0:max_degree) = 0 !! series 1 + R
+      real(dp) :: high_p(0:2, 0:6) = 0 !! degrees 5 to 7 of the second level (poinsot_body_economy)
+      real(dp) :: high_r(0:2, 0:6) = 0
       real(dp) :: reach(series_levels) = 0 !! largest (h |omega|)^2 for which a level is exact to
                                            !! rounding
    end type body_class
@@ -61,7 +67,11 @@ contains
       if (raised(error)) return
       class%moments = moments
       class%inverse = 0
-      where (moments > 0) class%inverse = 1/moments
+      class%limit = 1e270_dp
+      where (moments > 0)
+         class%inverse = 1/moments
+         class%limit = fastest*min(moments, 1e200_dp)
+      end where
       call sort(moments, class%order, class%parity)
       class%scale = scale(1.0_dp, exponent(maxval(moments)) - 1)
       class%sorted = moments(class%order)/class%scale
@@ -86,6 +96,8 @@ contains
       class%f1 = ratio(top, i3)
       call correction_series(class%a, class%p, class%r)
       class%reach = reach_of(class)
+      class%high_p = economised(class%p, class%reach(series_levels))
+      class%high_r = economised(class%r, class%reach(series_levels))
    end subroutine make_class
 
    !> x / y, and 0 for a zero moment y.
@@ -118,40 +130,49 @@ contains
       parity = -parity
    end subroutine exchange
 
-   !> Largest (h |omega|)^2 = s for which the terms left out by each level stay below a quarter of a
+   !> Largest (h |omega|)^2 = s for which the errors of each level's series stay below a quarter of a
    !> rounding error.
    !>
-   !> They are bounded degree by degree by Bernstein coefficients, on p + r <= s, the bound of (h
-   !> |omega|)^2 over the whole motion (reached where omega2 = 0). With z = max(a1 a2, a2 a3)/4, so
-   !> that X + Z <= z s, an attitude error is at most sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8); T is
-   !> used to one degree less than the others, W_n = (n+1) T_n.
+   !> They are bounded degree by degree, on p + r <= s, the bound of (h |omega|)^2 over the whole
+   !> motion (reached where omega2 = 0): of the first level the Bernstein coefficients of the parts
+   !> left out, of the second economy_bound. With z = max(a1 a2, a2 a3)/4, so that X + Z <= z s, an
+   !> attitude error is at most sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8). W comes from T: dW <= 0.6
+   !> dT, as the second level's range is X + Z <= 0.07.
    pure function reach_of(class) result(reach)
       type(body_class), intent(in) :: class
       real(dp) :: reach(series_levels)
-      real(dp) :: bound(max_degree, 2), z
-      integer :: n, level
+      real(dp) :: bound(0:max_degree, 2), z, range
+      real(dp), parameter :: sine_to_product = 0.6_dp
+      integer :: n
 
       z = 0.25_dp*class%a(2)*max(class%a(1), class%a(3))
-      do n = 1, max_degree
-         bound(n, 1) = 0.5_dp*max(degree_bound(class%p, n), degree_bound(class%r, n)) &
-                       + 0.5_dp*z**n*universal_bound(n - 1)
-         bound(n, 2) = 0.125_dp*(n + 1)*z**n*universal_bound(n)
+      bound = 0
+      do n = low_degree + 1, max_degree
+         bound(n, 1) = 0.5_dp*max(degree_bound(class%p, n), degree_bound(class%r, n))
+         if (n > low_degree + 1) bound(n, 1) = bound(n, 1) + 0.5_dp*z**n*universal_bound(n - 1)
+         bound(n, 2) = 0.125_dp*sine_to_product*z**n*universal_bound(n)
       end do
-      do level = 1, series_levels
-         reach(level) = largest(bound, level_degree(level))
+      reach(1) = largest(bound, longest_step**2)
+      bound = 0
+      do n = last_kept + 1, max_degree
+         bound(n, 1) = 0.5_dp*max(economy_bound(class%p, n), economy_bound(class%r, n))
       end do
+      bound(1, 1) = 0.5_dp*z*sine_error
+      bound(0, 2) = 0.125_dp*sine_to_product*sine_error
+      range = longest_step**2
+      if (z*range > economy_range) range = economy_range/z
+      reach(2) = max(reach(1), largest(bound, range))
    end function reach_of
 
-   !> Largest s <= longest_step^2 with sqrt(s) sum_{n > degree} (bound(n,1) + sqrt(s) bound(n,2))
-   !> s^n <= allowed, by bisection.
-   pure real(dp) function largest(bound, degree)
-      real(dp), intent(in) :: bound(max_degree, 2)
-      integer, intent(in) :: degree
+   !> Largest s <= range with sqrt(s) sum_n (bound(n,1) + sqrt(s) bound(n,2)) s^n <= allowed, by
+   !> bisection.
+   pure real(dp) function largest(bound, range)
+      real(dp), intent(in) :: bound(0:max_degree, 2), range
       real(dp), parameter :: allowed = 0.25_dp*epsilon(1.0_dp)
       real(dp) :: low, high, s
       integer :: i
       low = 0
-      high = longest_step**2
+      high = range
       largest = high
       if (tail(high) <= allowed) return
       do i = 1, 40
@@ -168,10 +189,10 @@ contains
          real(dp), intent(in) :: s
          integer :: n
          tail = 0
-         do n = max_degree, degree + 1, -1
-            tail = (tail + bound(n, 1) + sqrt(s)*bound(n, 2))*s
+         do n = max_degree, 0, -1
+            tail = tail*s + (bound(n, 1) + sqrt(s)*bound(n, 2))
          end do
-         tail = tail*s**degree*sqrt(s)
+         tail = tail*sqrt(s)
       end function tail
    end function largest
 

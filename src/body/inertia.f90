@@ -49,10 +49,10 @@ contains
                                                   !! about, any unit
       real(dp), intent(out) :: moments(3)         !! ascending, in the unit of the tensor; 0 if
                                                   !! refused
-      real(dp), intent(out) :: axes(3, 3)         !! columns: principal axes in the given frame;
+      real(dp), intent(out) :: axes(3, 3)         !! its columns the principal axes, given frame;
                                                   !! identity if refused
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain: not finite, not symmetric, or
-                                                  !! no body's tensor
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain if the tensor is not finite,
+                                                  !! not symmetric, or no body's
       real(dp) :: work(64)
       integer :: e, info
       logical :: diagonal
@@ -170,7 +170,7 @@ contains
    !> The tensor that has these moments about these axes: axes diag(moments) transpose(axes).
    pure function tensor_of_axes(moments, axes) result(tensor)
       real(dp), intent(in) :: moments(3) !! principal moments
-      real(dp), intent(in) :: axes(3, 3) !! columns: principal axes
+      real(dp), intent(in) :: axes(3, 3) !! its columns the principal axes
       real(dp) :: tensor(3, 3)
       integer :: i, j
       do j = 1, 3
@@ -185,8 +185,8 @@ contains
       real(dp), intent(in) :: mass(:)                !! masses, zero or positive, not all zero
       real(dp), intent(in) :: position(:, :)         !! (3, size(mass)): where they are
       real(dp), intent(out) :: tensor(3, 3)          !! mass times length squared; 0 if refused
-      type(poinsot_error), intent(inout) :: error    !! poinsot_e_size: shapes; poinsot_e_domain:
-                                                     !! values
+      type(poinsot_error), intent(inout) :: error    !! poinsot_e_size for shapes, poinsot_e_domain
+                                                     !! for values
       real(dp), intent(out), optional :: total_mass  !! sum of the masses
       real(dp), intent(out), optional :: centre(3)   !! centre of mass
       real(dp) :: total, middle(3), arm(3)

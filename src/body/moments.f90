@@ -76,12 +76,28 @@ contains
       integer, intent(in) :: i
       type(poinsot_error), intent(inout) :: error
       character(*), intent(in) :: reason
-      character(24) :: number(3)
-      write (number, "(es24.16e3)") moments
-      call raise(error, poinsot_e_domain, "moments of inertia ("//trim(adjustl(number(1)))//", "// &
-         trim(adjustl(number(2)))//", "//trim(adjustl(number(3)))//"): I"// &
-         achar(iachar("0") + i)//" "//reason)
+      call raise(error, poinsot_e_domain, "moments of inertia (" // brief(moments(1)) // ", " // &
+                 brief(moments(2)) // ", " // brief(moments(3)) // "): I" // &
+                 achar(iachar("0") + i) // " " // reason)
    end subroutine refuse
+
+   !> A number in few digits if they are all of it, else in all of them.
+   pure function brief(number) result(text)
+      real(dp), intent(in) :: number
+      character(:), allocatable :: text
+      character(24) :: digits
+      real(dp) :: back
+      integer :: code
+      write (digits, "(g0.6)") number
+      read (digits, *, iostat=code) back
+      if (code /= 0) back = number + 1
+      if (abs(back - number) > 0) write (digits, "(es24.16e3)") number
+      text = trim(adjustl(digits))
+      if (scan(text, "Ee") > 0 .or. index(text, ".") == 0) return
+      do while (text(len(text):) == "0" .and. text(len(text) - 1:len(text) - 1) /= ".")
+         text = text(:len(text) - 1)
+      end do
+   end function brief
 
    !> Indices of the moments from smallest to largest; equal ones keep their order.
    pure function ascending_order(moments) result(order)

@@ -38,13 +38,13 @@ module poinsot_body_shapes
    real(dp), parameter :: water_d1 = 4*hydrogen/3
    real(dp), parameter :: water_d3 = 2*hydrogen*oxygen/(oxygen + 2*hydrogen)/3
 
-   !> N2: r_e 1.09768 angstrom (Huber and Herzberg, Constants of Diatomic Molecules, 1979).
+   !> N2, r_e 1.09768 angstrom (Huber and Herzberg, Constants of Diatomic Molecules, 1979).
    real(dp), parameter :: nitrogen_d3 = nitrogen/2*1.09768_dp**2
 
-   !> CO2: r_e(CO) 1.1600 angstrom (Herzberg, Electronic Spectra of Polyatomic Molecules, 1966).
+   !> CO2, r_e(CO) 1.1600 angstrom (Herzberg, Electronic Spectra of Polyatomic Molecules, 1966).
    real(dp), parameter :: carbon_dioxide_d3 = 2*oxygen*1.16_dp**2
 
-   !> Benzene: CC 1.397, CH 1.084 angstrom (Herzberg 1966); a regular hexagon has d = 3 m r^2 along
+   !> Benzene, CC 1.397, CH 1.084 angstrom (Herzberg 1966); a regular hexagon has d = 3 m r^2 along
    !> either axis.
    real(dp), parameter :: benzene_d1 = 3*(carbon*1.397_dp**2 + hydrogen*(1.397_dp + 1.084_dp)**2)
 
@@ -85,8 +85,8 @@ contains
                                                   !! not take: 0
       real(dp), intent(out) :: moments(3)         !! mass times length squared, or amu angstrom^2; 0
                                                   !! if refused
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_method: unknown name;
-                                                  !! poinsot_e_domain: a value
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_method for an unknown name,
+                                                  !! poinsot_e_domain for a value
       real(dp) :: d(3)
       integer :: row, ex
       moments = 0
@@ -126,7 +126,7 @@ contains
          call raise(error, poinsot_e_domain, name//": mass must be positive")
       else if (any(lengths(:solid%sizes) <= 0)) then
          call raise(error, poinsot_e_domain, &
-            name//": every size must be positive: "//trim(solid%help))
+            name//" takes positive sizes: "//trim(solid%help))
       else if (any(abs(lengths(solid%sizes + 1:)) > 0)) then
          call raise(error, poinsot_e_domain, &
             name//": too many sizes, it takes only: "//trim(solid%help))

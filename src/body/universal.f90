@@ -10,6 +10,7 @@ module poinsot_body_universal
    implicit none(type, external)
    private
    public :: sine_squared, universal_bound
+   public :: economy_range, high_sine, sine_error
 
    integer, parameter :: half_degree = (max_degree - 1)/2
    real(dp), parameter :: zeros(12) = 0.0_dp
@@ -41,6 +42,17 @@ module poinsot_body_universal
       -4.609564227298466343e-6_dp, zeros(1:10), &
       3.356305835943844994e-6_dp, -3.593916746848259182e-6_dp, zeros(1:12)], [max_degree + 1, &
          half_degree + 1])
+
+   !> Degrees 5 to 7 of T for X + Z <= economy_range, with what they take over from the higher ones as
+   !> in poinsot_body_economy: `high_sine(m, j)` multiplies e^(5-2j+m) f^j; the last column belongs to
+   !> 0, f^3 and e f^3.
+   real(dp), parameter :: economy_range = 0.07_dp
+   real(dp), parameter :: high_sine(0:2, 0:3) = reshape([ &
+      -4.275501567513104179e-6_dp, 9.335753898090805955e-8_dp, -6.279803052720815862e-10_dp, &
+      -2.154876017143985996e-3_dp, 1.913996379576850392e-4_dp, -1.195109931628915342e-5_dp, &
+      -1.466086791792753064e-2_dp, 3.920590124380298092e-3_dp, -6.53817805379360828e-4_dp, &
+      0.0_dp, 3.075743678763918336e-3_dp, -2.015474113133485123e-3_dp], [3, 4])
+   real(dp), parameter :: sine_error = 3.4e-17_dp    !! largest error of T with them
 
 contains
 

@@ -12,7 +12,7 @@ contains
    !> The largest of all lanes, none of them negative: bits of positive numbers compare like the
    !> numbers.
    pure real(dp) function largest(x)
-      real(dp), intent(in) :: x(lanes)
+      real(dp), intent(in) :: x(lanes) !! a value for each lane
       integer(i8) :: m
       integer :: l
       m = 0
@@ -24,7 +24,7 @@ contains
 
    !> The smallest of all lanes, none of them negative.
    pure real(dp) function smallest(x)
-      real(dp), intent(in) :: x(lanes)
+      real(dp), intent(in) :: x(lanes) !! a value for each lane
       integer(i8) :: m
       integer :: l
       m = huge(m)

@@ -49,15 +49,15 @@ contains
                   "three numbers per body, in the order of bodies"), &
                   number_key("spacing", 1, 1, "1", "length", &
                   "without positions: distance along a chain"), &
-                  number_key("axis", 3, 3, "1 0 0", "direction", &
+                  number_key("axis", 3, 3, "1,0,0", "direction", &
                   "without positions: direction of the chain")])
    end function describe_dipoles
 
    !> Dipoles from checked settings.
    subroutine make_dipoles(info, settings, made, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      class(effect), allocatable, intent(out) :: made
+      type(effect_info), intent(in) :: info           !! the row of the registry
+      type(setting), intent(in) :: settings(:)        !! checked against the row
+      class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(dipoles) :: new
       real(dp), allocatable :: values(:)

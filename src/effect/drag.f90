@@ -36,9 +36,9 @@ contains
 
    !> A drag from checked settings.
    subroutine make_drag(info, settings, made, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      class(effect), allocatable, intent(out) :: made
+      type(effect_info), intent(in) :: info           !! the row of the registry
+      type(setting), intent(in) :: settings(:)        !! checked against the row
+      class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(drag) :: new
       call get_friction(info, settings, new%friction, error)
@@ -47,8 +47,8 @@ contains
 
    !> One friction or three, none negative; two are refused.
    subroutine get_friction(info, settings, friction, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
+      type(effect_info), intent(in) :: info    !! the row of the registry
+      type(setting), intent(in) :: settings(:) !! checked against the row
       real(dp), intent(out) :: friction(3)
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)

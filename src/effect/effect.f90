@@ -160,8 +160,7 @@ contains
       real(dp), intent(in) :: delta(lanes, 3)  !! rotation vectors in the body frame
       real(dp), intent(inout) :: dg(lanes, 3)
       associate (unused_1 => self%class_index, unused_2 => class%moments, unused_3 => t, &
-         unused_4 => q, unused_5 => delta, &
-                 unused_6 => dg)
+         unused_4 => q, unused_5 => delta, unused_6 => dg)
       end associate
    end subroutine add_no_derivative
 
@@ -190,8 +189,7 @@ contains
       real(dp), intent(in) :: delta(lanes, 3)
       real(dp), intent(inout) :: changes(:, :)   !! (3, bodies)
       associate (unused_1 => self%class_index, unused_2 => number, unused_3 => body, &
-         unused_4 => q, &
-                 unused_5 => delta, unused_6 => changes)
+         unused_4 => q, unused_5 => delta, unused_6 => changes)
       end associate
    end subroutine lay_no_change
 
@@ -205,8 +203,7 @@ contains
       real(dp), intent(in) :: sources(:, :), changes(:, :)
       real(dp), intent(inout) :: dg(lanes, 3)
       associate (unused_1 => self%class_index, unused_2 => number, unused_3 => body, &
-         unused_4 => q, &
-                 unused_5 => delta, unused_6 => sources, unused_7 => changes, unused_8 => dg)
+         unused_4 => q, unused_5 => delta, unused_6 => sources, unused_7 => changes, unused_8 => dg)
       end associate
    end subroutine add_no_pair_derivative
 
@@ -281,8 +278,8 @@ contains
       integer :: k
       sources = 0
       do k = 1, size(number)
-         if (self%acts_on(number(k))) call self%lay_source(number(k), body(:, k), q(:, :, k), &
-            sources)
+         if (self%acts_on(number(k))) call self%lay_source(number(k), body(:, k), &
+            q(:, :, k), sources)
       end do
    end subroutine lay_sources
 

@@ -48,15 +48,15 @@ contains
                   number_key("frequency", 1, 1, "0", "radians per time", &
                   "W of a rotating or oscillating field"), &
                   number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
-                  number_key("axis", 3, 3, "0 0 1", "direction", &
+                  number_key("axis", 3, 3, "0,0,1", "direction", &
                   "axis of a rotating field, in space; normalised")])
    end function describe_field
 
    !> A field from checked settings.
    subroutine make_field(info, settings, made, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      class(effect), allocatable, intent(out) :: made
+      type(effect_info), intent(in) :: info           !! the row of the registry
+      type(setting), intent(in) :: settings(:)        !! checked against the row
+      class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(field) :: new
       real(dp), allocatable :: values(:)

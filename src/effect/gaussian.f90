@@ -29,7 +29,7 @@ contains
       integer(i8), intent(in) :: id(lanes)    !! of the bodies
       integer(i8), intent(in) :: step         !! number of the step: its low 48 bits count
       integer, intent(in) :: half             !! 0 or 1: before or after the step
-      real(dp), intent(out) :: xi(lanes, 3)
+      real(dp), intent(out) :: xi(lanes, 3)   !! the numbers
       integer(i8) :: counter(lanes, 4), word(lanes, 4), tag
       real(dp), dimension(lanes) :: u, angle, r1, r2, s, c
       real(dp), parameter :: unit = 2.0_dp**(-32), two_pi = 6.2831853071795865_dp

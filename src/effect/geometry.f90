@@ -33,7 +33,7 @@ contains
    !> v = Q b for a body vector of its own in every lane.
    pure subroutine to_space(b, q, v)
       real(dp), intent(in) :: b(lanes, 3)   !! body vectors
-      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(in) :: q(lanes, 4)   !! attitudes
       real(dp), intent(out) :: v(lanes, 3)  !! the same vectors in space
       real(dp) :: conjugate(lanes, 4)
       conjugate(:, 1) = q(:, 1)
@@ -44,7 +44,7 @@ contains
    !> v = Q^T e for a space vector of its own in every lane.
    pure subroutine each_to_body(e, q, v)
       real(dp), intent(in) :: e(lanes, 3)
-      real(dp), intent(in) :: q(lanes, 4)
+      real(dp), intent(in) :: q(lanes, 4) !! attitudes
       real(dp), intent(out) :: v(lanes, 3)
       real(dp) :: t1, t2, t3
       integer :: i
@@ -76,8 +76,8 @@ contains
    pure subroutine add_linear_torque(e, s, q, g)
       real(dp), intent(in) :: e(3)             !! space vector
       real(dp), intent(in) :: s(3)             !! body vector
-      real(dp), intent(in) :: q(lanes, 4)
-      real(dp), intent(inout) :: g(lanes, 3)
+      real(dp), intent(in) :: q(lanes, 4)      !! attitudes
+      real(dp), intent(inout) :: g(lanes, 3)   !! body torques, added to
       real(dp) :: v(lanes, 3)
       integer :: i
       call to_body(e, q, v)
@@ -92,8 +92,8 @@ contains
    !> u += gamma . s
    pure subroutine add_linear_energy(e, s, q, u)
       real(dp), intent(in) :: e(3), s(3)
-      real(dp), intent(in) :: q(lanes, 4)
-      real(dp), intent(inout) :: u(lanes)
+      real(dp), intent(in) :: q(lanes, 4) !! attitudes
+      real(dp), intent(inout) :: u(lanes) !! energies, added to
       real(dp) :: v(lanes, 3)
       call to_body(e, q, v)
       u = u + (v(:, 1)*s(1) + v(:, 2)*s(2) + v(:, 3)*s(3))
@@ -102,9 +102,9 @@ contains
    !> dg += (gamma x delta) x s
    pure subroutine add_linear_derivative(e, s, q, delta, dg)
       real(dp), intent(in) :: e(3), s(3)
-      real(dp), intent(in) :: q(lanes, 4)
-      real(dp), intent(in) :: delta(lanes, 3)
-      real(dp), intent(inout) :: dg(lanes, 3)
+      real(dp), intent(in) :: q(lanes, 4)     !! attitudes
+      real(dp), intent(in) :: delta(lanes, 3) !! rotation vectors, body frame
+      real(dp), intent(inout) :: dg(lanes, 3) !! change of the torques, added to
       real(dp) :: v(lanes, 3), w1, w2, w3
       integer :: i
       call to_body(e, q, v)

@@ -5,8 +5,8 @@ module poinsot_effect_gravity
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: add_linear_torque, add_linear_energy, add_linear_derivative
-   use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, get_value, &
-      get_direction
+   use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, &
+      get_value, get_direction
    implicit none(type, external)
    private
    public :: gravity, describe_gravity, make_gravity
@@ -35,14 +35,14 @@ contains
                   number_key("centre", 3, 3, "required", "length", &
                   "centre of mass from the fixed point, body frame"), &
                   number_key("weight", 1, 1, "1", "force", "mass times acceleration of gravity"), &
-                  number_key("up", 3, 3, "0 0 1", "direction", "upwards, in space; normalised")])
+                  number_key("up", 3, 3, "0,0,1", "direction", "upwards, in space; normalised")])
    end function describe_gravity
 
    !> Gravity from checked settings.
    subroutine make_gravity(info, settings, made, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      class(effect), allocatable, intent(out) :: made
+      type(effect_info), intent(in) :: info           !! the row of the registry
+      type(setting), intent(in) :: settings(:)        !! checked against the row
+      class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(gravity) :: new
       real(dp), allocatable :: centre(:)

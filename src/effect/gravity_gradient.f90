@@ -38,9 +38,9 @@ contains
       allocate (info%keys, source=[ &
                   number_key("rate", 1, 1, "required", "radians per time", &
                   "mean motion sqrt(GM/R^3)"), &
-                  number_key("radial", 3, 3, "1 0 0", "direction", &
+                  number_key("radial", 3, 3, "1,0,0", "direction", &
                   "to or from the centre at t = 0, in space"), &
-                  number_key("normal", 3, 3, "0 0 1", "direction", &
+                  number_key("normal", 3, 3, "0,0,1", "direction", &
                   "normal of the orbit, in space, across radial"), &
                   text_key("orbit", "circular", "circular fixed", &
                   "does the radial direction turn with the orbit?")])
@@ -48,9 +48,9 @@ contains
 
    !> A gravity gradient from checked settings.
    subroutine make_gravity_gradient(info, settings, made, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      class(effect), allocatable, intent(out) :: made
+      type(effect_info), intent(in) :: info           !! the row of the registry
+      type(setting), intent(in) :: settings(:)        !! checked against the row
+      class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(gravity_gradient) :: new
       call get_direction(info, settings, "radial", new%radial, error)
@@ -61,9 +61,8 @@ contains
       if (get_text(info, settings, "orbit") == "fixed") new%rate = 0
       if (new%rate > 0 .or. new%rate < 0) then
          if (abs(dot_product(new%radial, new%normal)) > 1e-6_dp) then
-            call raise(error, poinsot_e_domain, &
-               "effect 'gravity_gradient': key 'normal' must be " // &
-                       "perpendicular to 'radial' on a circular orbit")
+            call raise(error, poinsot_e_domain, "effect 'gravity_gradient': key 'normal' must " // &
+                       "be perpendicular to 'radial' on a circular orbit")
             return
          end if
       end if

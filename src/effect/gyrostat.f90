@@ -35,9 +35,9 @@ contains
 
    !> A gyrostat from checked settings.
    subroutine make_gyrostat(info, settings, made, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      class(effect), allocatable, intent(out) :: made
+      type(effect_info), intent(in) :: info           !! the row of the registry
+      type(setting), intent(in) :: settings(:)        !! checked against the row
+      class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(gyrostat) :: new
       real(dp), allocatable :: values(:)

@@ -1,14 +1,14 @@
 !> All effects by name: one row each, with its description and its constructor.
 !>
-!> A new effect is one file, one row in `effect_row` (and its place in `effect_count`), one test.
+!> A new effect is one file, one row in `effect_row` with its name in `effect_names`, one test.
 module poinsot_effect_registry
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: nearest_name
    use poinsot_effect_effect, only: effect
-   use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, check_keys, &
-      get_value
+   use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, &
+      check_keys, get_value
    use poinsot_effect_gravity, only: describe_gravity, make_gravity
    use poinsot_effect_field, only: describe_field, make_field
    use poinsot_effect_gravity_gradient, only: describe_gravity_gradient, make_gravity_gradient
@@ -23,12 +23,11 @@ module poinsot_effect_registry
    private
    public :: effect_count, effect_names, describe_effect, effect_name, effect_number, make_effect
 
-   integer, parameter :: effect_count = 10 !! rows below
-
    !> Names of the rows, in their order.
-   character(18), parameter :: effect_names(effect_count) = [character(18) :: &
+   character(18), parameter :: effect_names(*) = [character(18) :: &
       "gravity", "field", "gravity_gradient", "spring", "torque", "drag", "langevin", "gyrostat", &
       "dipoles", "callback"]
+   integer, parameter :: effect_count = size(effect_names)
 
    abstract interface
       subroutine constructor(info, settings, made, error)
@@ -66,7 +65,7 @@ contains
 
    !> What the registry knows of effect i, 1 to effect_count; every effect also has the key `class`.
    function describe_effect(i) result(info)
-      integer, intent(in) :: i
+      integer, intent(in) :: i !! 1 to effect_count
       type(effect_info) :: info
       procedure(constructor), pointer :: make
       call effect_row(i, info, make)
@@ -75,7 +74,7 @@ contains
 
    !> Name of effect i; "" outside 1 to effect_count.
    function effect_name(i) result(name)
-      integer, intent(in) :: i
+      integer, intent(in) :: i !! 1 to effect_count
       character(:), allocatable :: name
       type(effect_info) :: info
       info = describe_effect(i)
@@ -84,7 +83,7 @@ contains
 
    !> Number of an effect; 0 for an unknown name.
    integer function effect_number(name) result(i)
-      character(*), intent(in) :: name
+      character(*), intent(in) :: name !! of an effect
       do i = 1, effect_count
          if (effect_name(i) == name) return
       end do
@@ -115,9 +114,9 @@ contains
       end if
       call effect_row(i, info, make)
       if (.not. associated(make)) then
-         call raise(error, poinsot_e_domain, "effect '" // trim(name) // &
-            "' is a program's own torque: " // &
-                    "extend user_torque or user_potential (Fortran) or pass a callback (C)")
+         call raise(error, poinsot_e_domain, &
+                    "effect '" // trim(name) // "' is a program's own torque: extend " // &
+                    "user_torque or user_potential (Fortran) or pass a callback (C)")
          return
       end if
       info%keys = [info%keys, class_key()]

@@ -59,7 +59,7 @@ contains
 
    !> key = numbers
    pure function number_setting(key, values) result(made)
-      character(*), intent(in) :: key
+      character(*), intent(in) :: key !! its name
       real(dp), intent(in) :: values(:)
       type(setting) :: made
       made%key = key
@@ -78,17 +78,16 @@ contains
    !> text and a text for numbers, wrong counts, numbers that are not finite, words that are not a
    !> choice.
    pure subroutine check_keys(info, settings, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
+      type(effect_info), intent(in) :: info    !! the row of the registry
+      type(setting), intent(in) :: settings(:) !! checked against the row
       type(poinsot_error), intent(inout) :: error
       integer :: i, j, k
       do i = 1, size(settings)
          k = find_key(info, settings(i)%key)
          if (k == 0) then
             call raise(error, poinsot_e_method, "effect '" // trim(info%name) // &
-               "': unknown key '" // &
-               settings(i)%key // "'; the nearest known key is '" // &
-               nearest_name(settings(i)%key, info%keys%name) // "'")
+                       "': unknown key '" // settings(i)%key // "'; the nearest known key is '" // &
+                       nearest_name(settings(i)%key, info%keys%name) // "'")
             return
          end if
          do j = 1, i - 1
@@ -132,8 +131,8 @@ contains
          write (least, "(i0)") key%least
          write (most, "(i0)") key%most
          if (key%most < 0) most = "more"
-         call refuse(info, key, "takes " // trim(least) // " to " // trim(most) // " numbers", &
-            error)
+         call refuse(info, key, &
+                     "takes " // trim(least) // " to " // trim(most) // " numbers", error)
          error%code = poinsot_e_size
       else if (.not. all(ieee_is_finite(given%values))) then
          call refuse(info, key, "has a value that is not finite", error)
@@ -151,8 +150,8 @@ contains
 
    !> Has the user said anything about this key?
    pure logical function was_given(settings, key)
-      type(setting), intent(in) :: settings(:)
-      character(*), intent(in) :: key
+      type(setting), intent(in) :: settings(:) !! checked against the row
+      character(*), intent(in) :: key          !! its name
       integer :: i
       was_given = .false.
       do i = 1, size(settings)
@@ -162,9 +161,9 @@ contains
 
    !> The numbers of a key: the user's, or the default; size 0 if absent. After check_keys.
    pure subroutine get_values(info, settings, key, values)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      character(*), intent(in) :: key
+      type(effect_info), intent(in) :: info    !! the row of the registry
+      type(setting), intent(in) :: settings(:) !! checked against the row
+      character(*), intent(in) :: key          !! its name
       real(dp), allocatable, intent(out) :: values(:)
       integer :: i, k
       do i = 1, size(settings)
@@ -179,9 +178,9 @@ contains
 
    !> The one number of a key that takes one.
    pure real(dp) function get_value(info, settings, key) result(value)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      character(*), intent(in) :: key
+      type(effect_info), intent(in) :: info    !! the row of the registry
+      type(setting), intent(in) :: settings(:) !! checked against the row
+      character(*), intent(in) :: key          !! its name
       real(dp), allocatable :: values(:)
       call get_values(info, settings, key, values)
       value = values(1)
@@ -189,9 +188,9 @@ contains
 
    !> The text of a key: the user's, or the default.
    pure function get_text(info, settings, key) result(text)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      character(*), intent(in) :: key
+      type(effect_info), intent(in) :: info    !! the row of the registry
+      type(setting), intent(in) :: settings(:) !! checked against the row
+      character(*), intent(in) :: key          !! its name
       character(:), allocatable :: text
       integer :: i
       text = trim(info%keys(find_key(info, key))%default)
@@ -202,9 +201,9 @@ contains
 
    !> The three numbers of a key as a unit vector; the zero vector is refused.
    pure subroutine get_direction(info, settings, key, direction, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      character(*), intent(in) :: key
+      type(effect_info), intent(in) :: info    !! the row of the registry
+      type(setting), intent(in) :: settings(:) !! checked against the row
+      character(*), intent(in) :: key          !! its name
       real(dp), intent(out) :: direction(3)
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)
@@ -216,8 +215,8 @@ contains
          values = values/largest
          direction = values/norm2(values)
       else
-         call refuse(info, info%keys(find_key(info, key)), "is a direction and must not be zero", &
-            error)
+         call refuse(info, info%keys(find_key(info, key)), &
+                     "is a direction and must not be zero", error)
       end if
    end subroutine get_direction
 

@@ -92,9 +92,8 @@ contains
             read (values(first:last), *, iostat=state) x
          end if
          if (state /= 0) then
-            call raise(error, poinsot_e_domain, "settings: '"//one%key//" = "//values//"': '"// &
-               values(first:last)// &
-                       "' is not a number")
+            call raise(error, poinsot_e_domain, "settings: '" // one%key // " = " // values // &
+                       "': '" // values(first:last) // "' is not a number")
             return
          end if
          n = n + 1
@@ -113,8 +112,8 @@ contains
    pure logical function is_quoted(s)
       character(*), intent(in) :: s
       is_quoted = .false.
-      if (len(s) >= 2) is_quoted = (s(1:1) == "'" .or. s(1:1) == '"') .and. s(len(s):len(s)) &
-         == s(1:1)
+      if (len(s) >= 2) is_quoted = (s(1:1) == "'" .or. s(1:1) == '"') &
+          .and. s(len(s):len(s)) == s(1:1)
    end function is_quoted
 
    !> nan and inf are numbers: the effect says that they are not finite.

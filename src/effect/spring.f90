@@ -33,17 +33,17 @@ contains
       info%check = "libration sqrt(stiffness/I)"
       allocate (info%keys, source=[ &
                   number_key("stiffness", 1, 1, "required", "energy", "strength of the spring"), &
-                  number_key("axis", 3, 3, "0 0 1", "direction", &
+                  number_key("axis", 3, 3, "0,0,1", "direction", &
                   "the axis it aligns, body frame; normalised"), &
-                  number_key("direction", 3, 3, "0 0 1", "direction", &
+                  number_key("direction", 3, 3, "0,0,1", "direction", &
                   "what it aligns it with, in space; normalised")])
    end function describe_spring
 
    !> A spring from checked settings.
    subroutine make_spring(info, settings, made, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      class(effect), allocatable, intent(out) :: made
+      type(effect_info), intent(in) :: info           !! the row of the registry
+      type(setting), intent(in) :: settings(:)        !! checked against the row
+      class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(spring) :: new
       call get_direction(info, settings, "axis", new%axis, error)

@@ -38,7 +38,7 @@ contains
                      &in space: Q^T of it"
       info%check = "in space: angular momentum L = L0 + integral of the torque"
       allocate (info%keys, source=[ &
-                  number_key("value", 3, 3, "0 0 0", "torque", "the torque, or its amplitude"), &
+                  number_key("value", 3, 3, "0,0,0", "torque", "the torque, or its amplitude"), &
                   text_key("frame", "body", "body space", "the frame of value"), &
                   number_key("frequency", 1, 1, "0", "radians per time", &
                   "W of a harmonic torque"), &
@@ -51,9 +51,9 @@ contains
 
    !> A torque from checked settings.
    subroutine make_torque(info, settings, made, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      class(effect), allocatable, intent(out) :: made
+      type(effect_info), intent(in) :: info           !! the row of the registry
+      type(setting), intent(in) :: settings(:)        !! checked against the row
+      class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(torque) :: new
       real(dp), allocatable :: values(:)
@@ -82,9 +82,8 @@ contains
       real(dp), allocatable :: values(:)
       integer :: n
       if (was_given(settings, "value") .or. new%harmonic) then
-         call raise(error, poinsot_e_domain, &
-            "effect 'torque': give either a table or 'value', " // &
-                    "'frequency', 'phase', not both")
+         call raise(error, poinsot_e_domain, "effect 'torque': give either a table " // &
+                    "or 'value', 'frequency', 'phase', not both")
          return
       end if
       call get_values(info, settings, "times", new%times)
@@ -92,8 +91,7 @@ contains
       n = size(new%times)
       if (n == 0 .or. size(values) /= 3*n) then
          call raise(error, poinsot_e_size, &
-            "effect 'torque': key 'table' takes three numbers for " // &
-                    "each number of 'times'")
+                    "effect 'torque': key 'table' takes three numbers for each number of 'times'")
       else if (any(new%times(2:) <= new%times(:n - 1))) then
          call raise(error, poinsot_e_domain, "effect 'torque': key 'times' must increase")
       else
@@ -167,8 +165,7 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: u(lanes)
       associate (unused_1 => self%class_index, unused_2 => class%moments, unused_3 => t, &
-         unused_4 => q, &
-                 unused_5 => u)
+         unused_4 => q, unused_5 => u)
       end associate
    end subroutine add_energy
 

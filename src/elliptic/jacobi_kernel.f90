@@ -329,8 +329,8 @@ contains
    end subroutine hyperbolic_sums
 
    !> sn, cn, dn from the sums of the right side.
-   pure subroutine quotients(side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, near, &
-      sn, cn, dn)
+   pure subroutine quotients(side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, &
+      near, sn, cn, dn)
       real(dp), intent(in), dimension(lanes) :: side, q, s_far, c_far, d_far, far
       real(dp), intent(in), dimension(lanes) :: s_near, c_near, d_near, near
       real(dp), intent(out), dimension(lanes) :: sn, cn, dn

@@ -6,7 +6,7 @@
 !> written back.
 module poinsot_ensemble_block
    use poinsot_core_kinds, only: dp, i8, lanes
-   use poinsot_core_lanes, only: any_failed, smallest
+   use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_bodies, only: body_view
@@ -48,6 +48,7 @@ module poinsot_ensemble_block
    real(dp), parameter :: carry_slack = 1e-6_dp  !! of an attitude's carry
    real(dp), parameter :: axis_slack = 1e-12_dp  !! momentum about a zero moment, relative to |y|
 
+   integer(i8), parameter :: two = transfer(2.0_dp, 1_i8)
    integer(i8), parameter :: exponent_bits = int(z'7FF0000000000000', i8)
 
 contains
@@ -84,14 +85,14 @@ contains
       call copy_in(host%q, at, n, b%q)
       if (host%momentum == body_momentum .and. .not. turned(axes)) then
          call copy_in(host%y, at, n, b%y)
-         call refuse(3, b%y, b%q, b%status)
+         call refuse(3, [class%limit, 0.0_dp], b%y, b%q, b%status)
       else
          p = 0
          call copy_in(host%y, at, n, p)
-         call refuse(4, p, b%q, b%status)
+         call refuse(4, spread(huge(p), 1, 4), p, b%q, b%status)
          call to_native(host%momentum, axes, class, p, b%y, b%q)
+         call refuse_speed(class, b%y, b%status)
       end if
-      call refuse_speed(class, b%y, b%status)
       if (class%sorted(1) <= 0) call refuse_axis(class, b)
       if (.not. host%wants_id) then
          continue
@@ -145,40 +146,28 @@ contains
       end do
    end subroutine rest
 
-   !> Put lanes at rest whose numbers are not finite or whose quaternion is not of unit norm. Bit
-   !> tests first: a comparison with a NaN would raise an exception in hosts that trap.
-   pure subroutine refuse(columns, p, q, status)
-      integer, intent(in) :: columns
+   !> Put lanes at rest whose momenta are not finite or beyond a limit, or whose quaternion is not of
+   !> unit norm. Bits are compared: a comparison with a NaN would raise an exception in hosts that
+   !> trap. A component of q above 2 counts as 2, so that its square is a number.
+   pure subroutine refuse(columns, limit, p, q, status)
+      integer, intent(in) :: columns                !! of p, 3 or 4
+      real(dp), intent(in) :: limit(4)
       real(dp), intent(inout) :: p(lanes, columns), q(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      integer(i8) :: worst(lanes)
-      real(dp) :: good(lanes), qq
-      integer :: l, j
+      integer(i8) :: top(4), slack, excess(lanes)
+      integer :: l
+      top = magnitude(limit)
+      slack = magnitude(norm_slack)
       !GCC$ ivdep
       do l = 1, lanes
-         worst(l) = max(magnitude(p(l, 1)), magnitude(p(l, 2)), magnitude(p(l, 3)), &
-            magnitude(q(l, 1)), &
-                        magnitude(q(l, 2)), magnitude(q(l, 3)), magnitude(q(l, 4)))
+         excess(l) = max(magnitude(p(l, 1)) - top(1), magnitude(p(l, 2)) - top(2), &
+                         magnitude(p(l, 3)) - top(3), magnitude(p(l, columns)) - top(columns), &
+                         magnitude(square(q(l, 1)) + square(q(l, 2)) + square(q(l, 3)) &
+                                   + square(q(l, 4)) - 1) - slack)
       end do
-      do j = 4, columns
-         worst = max(worst, magnitude(p(:, j)))
-      end do
-      if (maxval(worst) >= exponent_bits) then
-         do l = 1, lanes
-            if (worst(l) < exponent_bits) cycle
-            status(l) = poinsot_e_domain
-            p(l, :) = 0
-            call rest(l, l, p, q)
-         end do
-      end if
-      !GCC$ ivdep
+      if (maxval(excess) <= 0) return
       do l = 1, lanes
-         qq = scaled(q(l, 1))**2 + scaled(q(l, 2))**2 + scaled(q(l, 3))**2 + scaled(q(l, 4))**2
-         good(l) = merge(1.0_dp, 0.0_dp, abs(qq - 1) <= norm_slack)
-      end do
-      if (smallest(good) >= 1) return
-      do l = 1, lanes
-         if (good(l) >= 1) cycle
+         if (excess(l) <= 0) cycle
          status(l) = poinsot_e_domain
          p(l, :) = 0
          call rest(l, l, p, q)
@@ -191,11 +180,11 @@ contains
       magnitude = iand(transfer(x, 1_i8), huge(1_i8))
    end function magnitude
 
-   !> x, cut to [-2, 2] so that its square cannot overflow.
-   elemental real(dp) function scaled(x)
+   !> x^2, of anything above 2 that of 2.
+   elemental real(dp) function square(x)
       real(dp), intent(in) :: x
-      scaled = max(-2.0_dp, min(2.0_dp, x))
-   end function scaled
+      square = transfer(min(magnitude(x), two), x)**2
+   end function square
 
    !> Numbers that come with the bodies, a torque for instance: a lane where they are not finite
    !> fails, and gets zeros.

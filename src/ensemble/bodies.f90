@@ -1,8 +1,7 @@
 !> The caller's bodies, seen through pointers and strides: nothing is copied, nothing is owned.
 module poinsot_ensemble_bodies
    use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_size_t, c_ptrdiff_t, c_double, &
-      c_int, c_int64_t, &
-      c_associated, c_f_pointer, c_loc, c_sizeof
+      c_int, c_int64_t, c_associated, c_f_pointer, c_loc, c_sizeof
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_null, poinsot_e_size
@@ -103,19 +102,19 @@ contains
       end if
       if (view%n == 0 .or. raised(error)) return
       do j = 1, 3
-         call open_column(bodies%y(j), bodies%n, bodies%y_stride, "poinsot_bodies: y", view%y(j), &
-            error)
+         call open_column(bodies%y(j), bodies%n, bodies%y_stride, "poinsot_bodies: y", &
+                          view%y(j), error)
       end do
       if (c_associated(bodies%y_fourth)) then
          call open_column(bodies%y_fourth, bodies%n, bodies%y_stride, "poinsot_bodies: y", &
             view%y(4), error)
       end if
       do j = 1, 4
-         call open_column(bodies%q(j), bodies%n, bodies%q_stride, "poinsot_bodies: q", view%q(j), &
-            error)
+         call open_column(bodies%q(j), bodies%n, bodies%q_stride, "poinsot_bodies: q", &
+                          view%q(j), error)
       end do
-      if (c_associated(bodies%body_class)) call c_f_pointer(bodies%body_class, view%body_class, &
-         [bodies%n])
+      if (c_associated(bodies%body_class)) call c_f_pointer(bodies%body_class, &
+         view%body_class, [bodies%n])
       if (c_associated(bodies%id)) call c_f_pointer(bodies%id, view%id, [bodies%n])
       if (c_associated(bodies%carry)) then
          call c_f_pointer(bodies%carry, view%carry, [7_c_size_t, bodies%n])

@@ -40,9 +40,9 @@ contains
    !> Kinetic and potential energy of each body at time t; what two bodies have together is shared
    !> between them. A body that is refused has a status and zero energies.
    subroutine body_energies(plan, view, t, kinetic, potential, status, error)
-      type(poinsot_plan), intent(in), target :: plan
-      type(body_view), intent(in) :: view
-      real(dp), intent(in) :: t
+      type(poinsot_plan), intent(in), target :: plan              !! ready
+      type(body_view), intent(in) :: view                         !! the caller's arrays
+      real(dp), intent(in) :: t                                   !! time
       real(dp), intent(out), target :: kinetic(:), potential(:)   !! (n)
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
@@ -73,8 +73,8 @@ contains
 
    !> Angular momentum of each body in the space frame, (3, n).
    subroutine body_momenta(plan, view, momentum, status, error)
-      type(poinsot_plan), intent(in) :: plan
-      type(body_view), intent(in) :: view
+      type(poinsot_plan), intent(in) :: plan !! ready
+      type(body_view), intent(in) :: view    !! the caller's arrays
       real(dp), intent(out), target :: momentum(:, :)
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
@@ -93,8 +93,8 @@ contains
 
    !> Rotational degrees of freedom of all bodies: an axis without inertia has none.
    integer function total_degrees_of_freedom(plan, view) result(total)
-      type(poinsot_plan), intent(in) :: plan
-      type(body_view), intent(in) :: view
+      type(poinsot_plan), intent(in) :: plan !! ready
+      type(body_view), intent(in) :: view    !! the caller's arrays
       integer :: i, c, each(size(plan%classes))
       do c = 1, size(each)
          each(c) = degrees_of_freedom(plan%classes(c)%moments)

@@ -92,7 +92,7 @@ contains
    !> gained there. Both go into the carry: in dy they would be rounded again. dE is taken about the
    !> middle axis, dE - dC/I2: one term less that rounds.
    pure subroutine conserve(class, energy, h, y, dy, carry)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class  !! of these bodies
       logical, intent(in) :: energy          !! does the method conserve energy?
       real(dp), intent(in) :: h(lanes), y(lanes, 3), dy(lanes, 3)
       real(dp), intent(inout) :: carry(lanes, 7)

@@ -15,22 +15,20 @@ module poinsot_free_exact
    integer, parameter :: most_substeps = 4 !! beyond, Jacobi's functions are cheaper, and as exact
    real(dp), parameter :: longest_phase = 1e15_dp !! h |omega| beyond which no digit of the angle is
                                                   !! left
-   integer, parameter :: substep_level = 3  !! substeps as long as this series length carries
 
 contains
 
    !> Increments of y and q over h, exact to rounding, for every body, any h. Mathematics, section 3
-   !> (and 4 beyond 64 substeps). POINSOT_E_STEP for h |omega| > 1e15.
+   !> (and 4 beyond 4 substeps). POINSOT_E_STEP for h |omega| > 1e15.
    pure subroutine exact_increment(class, terms, h, y, q, dy, dq, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
       real(dp) :: w(lanes, 3), p(lanes), r(lanes), above
 
-      call step_sizes(class, h, y, w, p, r)
-      above = largest(p + r)
+      call step_sizes(class, h, y, w, p, r, above)
       if (above <= class%reach(series_levels)) then
          call exact_step_increment(class, w, p, r, above, y, q, dy, dq)
       else
@@ -45,13 +43,13 @@ contains
       real(dp), intent(in) :: sizes(lanes), h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: parts(lanes), step(lanes), w(lanes, 3), p(lanes), r(lanes), ddy(lanes, 3), &
+      real(dp) :: parts(lanes), step(lanes), above, w(lanes, 3), p(lanes), r(lanes), ddy(lanes, 3), &
          ddq(lanes, 4)
       integer :: k
 
       parts = 1
       where (sizes > class%reach(series_levels)) &
-         parts = aint(sqrt(sizes/class%reach(substep_level))*(1 + 8*epsilon(1.0_dp))) + 1
+         parts = aint(sqrt(sizes/class%reach(series_levels))*(1 + 8*epsilon(1.0_dp))) + 1
       where (sizes > longest_phase**2)
          status = poinsot_e_step
          parts = 0
@@ -65,8 +63,8 @@ contains
       end if
       do k = 1, nint(largest(parts))
          step = merge(h, 0.0_dp, k <= parts)/max(parts, 1.0_dp)
-         call step_sizes(class, step, y + dy, w, p, r)
-         call exact_step_increment(class, w, p, r, largest(p + r), y + dy, q + dq, ddy, ddq)
+         call step_sizes(class, step, y + dy, w, p, r, above)
+         call exact_step_increment(class, w, p, r, above, y + dy, q + dq, ddy, ddq)
          dy = dy + ddy
          dq = dq + ddq
       end do

@@ -63,7 +63,7 @@ contains
    !> zero increments, where h |omega| is beyond about 1e15. The rotation is the one below half a
    !> turn.
    pure subroutine jacobi_increment(class, terms, h, y, q, dy, dq, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class   !! of these bodies
       integer, intent(in) :: terms            !! not used
       real(dp), intent(in) :: h(lanes)        !! step of each lane, either sign; 0: stands still
       real(dp), intent(in) :: y(lanes, 3)     !! angular momentum, caller's axes

@@ -120,7 +120,7 @@ contains
    !> still; a lane that fails here gets its status and keeps its state.
    pure subroutine advance(method, class, h, y, q, status, carry)
       type(free_method), intent(in) :: method
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                  !! of these bodies
       real(dp), intent(in) :: h                              !! step
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)    !! the state
       integer, intent(inout) :: status(lanes)

@@ -28,8 +28,9 @@ module poinsot_free_moser_veselov
 contains
 
    !> Increments of a step of the Moser-Veselov map with `terms` terms of the preprocessing series:
-   !> order 2 terms + 2. POINSOT_E_STEP for h |omega| > pi/2, POINSOT_E_CONVERGENCE if no root below
-   !> 90 degrees a step is found.
+   !> order 2 terms + 2. POINSOT_E_STEP for h |omega| > pi/2, POINSOT_E_CONVERGENCE if there is no
+   !> root below 90 degrees a step: that of the plain map ends at h |omega| = 1 for a sphere, between
+   !> 1 and 1.5 for other bodies; with terms there is one up to pi/2.
    pure subroutine moser_veselov_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                           !! 0 (plain) to 11
@@ -63,9 +64,10 @@ contains
       integer, intent(inout) :: status(lanes)
       real(dp) :: w(lanes, 3), z(lanes, 3), kappa(lanes, 3), e(lanes, 3)
       real(dp), dimension(lanes) :: p, r, ps, rs, slip, live, found
+      real(dp) :: above
       integer :: l
 
-      call step_sizes(class, h, y, w, p, r)
+      call step_sizes(class, h, y, w, p, r, above)
       !GCC$ ivdep
       do l = 1, lanes
          live(l) = merge(1.0_dp, 0.0_dp, p(l) + r(l) <= quarter_turn**2)
@@ -77,6 +79,7 @@ contains
       call solve(stretch, p + r, z, kappa, e, found)
       if (smallest(live) < 1) where (live < 1) status = poinsot_e_step
       if (smallest(found) < 1) then
+         call insist(stretch, z, kappa, e, found)
          where (found < 1 .and. status == poinsot_ok) status = poinsot_e_convergence
       end if
       call apply(class, e, slip, y, q, dy, dq)
@@ -149,6 +152,31 @@ contains
       end do
    end subroutine solve
 
+   !> Lanes without a root so far: near h |omega| = 1 the two roots of the plain map come together
+   !> (on a sphere they meet there), and Newton's method halves its distance only. From e = z again,
+   !> until a sweep no longer moves; a lane that leaves |e| < 4 is given up.
+   pure subroutine insist(stretch, z, kappa, e, found)
+      real(dp), intent(in) :: stretch, z(lanes, 3), kappa(lanes, 3)
+      real(dp), intent(inout) :: e(lanes, 3), found(lanes)
+      real(dp) :: active(lanes), moved(lanes), ee(lanes)
+      integer :: j, k
+      integer, parameter :: most = 30 !! 2**-30: closer roots are one to a double
+      real(dp), parameter :: tolerance(2) = [1e-24_dp, 1e-14_dp] !! where roots lie close, rounding
+                                                                  !! moves a lane to the end
+      active = 1 - found
+      moved = 0
+      do j = 1, 3
+         e(:, j) = merge(z(:, j), e(:, j), active > 0)
+      end do
+      do k = 1, most
+         call newton(stretch, z, kappa, active, e, moved)
+         ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
+         where (active > 0 .and. ee < 1 .and. moved <= tolerance(merge(1, 2, k < most))*ee) found = 1
+         active = merge(0.0_dp, active, found > 0 .or. ee > 16)
+         if (.not. largest(active) > 0) exit
+      end do
+   end subroutine insist
+
    !> One sweep of the fixed-point iteration: gains one power of z.
    pure subroutine sweep(stretch, z1, z2, z3, k1, k2, k3, e1, e2, e3)
       real(dp), intent(in) :: stretch, z1, z2, z3, k1, k2, k3
@@ -199,7 +227,7 @@ contains
          c12 = m23*m31 - m21*m33
          c13 = m21*m32 - m22*m31
          det = m11*c11 + m12*c12 + m13*c13
-         det = active(l)/merge(det, 1.0_dp, abs(det) > 1e-3_dp)
+         det = active(l)/merge(det, 1.0_dp, abs(det) > 1e-8_dp)
          d1 = det*(c11*f1 + (m13*m32 - m12*m33)*f2 + (m12*m23 - m13*m22)*f3)
          d2 = det*(c12*f1 + (m11*m33 - m13*m31)*f2 + (m13*m21 - m11*m23)*f3)
          d3 = det*(c13*f1 + (m12*m31 - m11*m32)*f2 + (m11*m22 - m12*m21)*f3)

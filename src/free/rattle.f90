@@ -39,7 +39,7 @@ contains
    !> The diagonal of D in the caller's axes: d_k = (I_i + I_j - I_k)/2, equation (2). From
    !> differences, so that thin bodies keep their digits.
    pure function second_moments(class) result(d)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class !! of these bodies
       real(dp) :: d(3) !! integrals of x_k^2 over the body; 0 in the short direction of a flat one
       real(dp) :: i(3)
       i = class%moments(class%order)
@@ -54,7 +54,7 @@ contains
    !> (y, q) -> (P, Q): Q the matrix of q, P = Q (y/I)^ D. Symplectic: trace(P^T dQ) = y . xi for dQ
    !> = Q xi^.
    pure subroutine to_matrices(class, y, q, p, matrix)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class !! of these bodies
       !> angular momentum (body frame), attitude
       real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: p(lanes, 3, 3)              !! conjugate momenta
@@ -126,7 +126,7 @@ contains
    !> POINSOT_OK stands still. POINSOT_E_STEP for h |omega| > pi/2 after the kick,
    !> POINSOT_E_CONVERGENCE without a root below 90 degrees a step.
    pure subroutine rattle_start(class, h, torque, p, matrix, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                !! of these bodies
       real(dp), intent(in) :: h                            !! step, either sign
       real(dp), intent(in) :: torque(lanes, 3)             !! body torque -rot(Q^T grad U) at Q0
       real(dp), intent(inout) :: p(lanes, 3, 3), matrix(lanes, 3, 3)
@@ -182,7 +182,7 @@ contains
 
    !> Third line of (11), the torque given: P_1/2 -> P1, on the constraint Q^T P = omega^ D.
    pure subroutine rattle_finish(class, h, torque, p, matrix, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                !! of these bodies
       real(dp), intent(in) :: h
       real(dp), intent(in) :: torque(lanes, 3)             !! body torque at Q1
       real(dp), intent(inout) :: p(lanes, 3, 3)
@@ -204,7 +204,7 @@ contains
    !> `dmv2`, by matrices: dy^ = (D (W + W^T) - (W + W^T) D)/h, dq from W - W^T. Order 2. Status as
    !> in rattle_start.
    pure subroutine rattle_increment(class, terms, h, y, q, dy, dq, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
@@ -254,11 +254,11 @@ contains
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
       real(dp), intent(out) :: even(lanes, 3, 3), axial(lanes, 3)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), z(lanes, 3), e(lanes, 3), ratio(3)
+      real(dp) :: w(lanes, 3), z(lanes, 3), e(lanes, 3), ratio(3), above
       real(dp), dimension(lanes) :: p, r, live, found, ee
       integer :: j, k
 
-      call step_sizes(class, h, y, w, p, r)
+      call step_sizes(class, h, y, w, p, r, above)
       live = merge(1.0_dp, 0.0_dp, p + r <= quarter_turn**2)
       if (smallest(live) < 1) where (live < 1) status = poinsot_e_step
       p = merge(p + r, 0.0_dp, live > 0)
@@ -311,14 +311,16 @@ contains
    end subroutine add_skew
 
    !> The Cayley vector: e_i + ratio_i e_j e_k = (1 + |e|^2) z_i, the axial part of the equation
-   !> times (1 + |e|^2)/4, by Newton's method with a number of sweeps fixed beforehand. `found` = 0
-   !> where the last sweep still moved, or |e| >= 1.
+   !> times (1 + |e|^2)/4, by Newton's method with a number of sweeps fixed beforehand, and for a lane
+   !> that they do not take to its root, where two roots lie close, with more. `found` = 0 where the
+   !> last sweep still moved, or |e| >= 1.
    pure subroutine solve(ratio, size, z, e, found)
       real(dp), intent(in) :: ratio(3), size(lanes), z(lanes, 3)
       real(dp), intent(out) :: e(lanes, 3), found(lanes)
       real(dp) :: sweeps(lanes), moved(lanes), ee(lanes)
       integer :: k
       real(dp), parameter :: tolerance = 1e-14_dp
+      integer, parameter :: more = 24
       sweeps = 2 + merge(1, 0, size > sweep_bound(1)) + merge(1, 0, size > sweep_bound(2)) &
                + merge(5, 0, size > sweep_bound(3))
       e = z
@@ -328,6 +330,12 @@ contains
       end do
       ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
       found = merge(1.0_dp, 0.0_dp, ee < 1 .and. moved <= tolerance*ee)
+      do k = 1, more
+         if (smallest(found) >= 1) return
+         call newton(ratio, z, merge(1.0_dp, 0.0_dp, found < 1 .and. ee < 16), e, moved)
+         ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
+         where (ee < 1 .and. moved <= merge(1e-24_dp, tolerance, k < more)*ee) found = 1
+      end do
    end subroutine solve
 
    !> One sweep of Newton's method; `moved` = how far a lane went in its last one, squared.
@@ -351,7 +359,7 @@ contains
          c(:, 2) = cross(slope(:, 3), slope(:, 1))
          c(:, 3) = cross(slope(:, 1), slope(:, 2))
          det = slope(1, 1)*c(1, 1) + slope(2, 1)*c(2, 1) + slope(3, 1)*c(3, 1)
-         det = active(l)/merge(det, 1.0_dp, abs(det) > 1e-3_dp)
+         det = active(l)/merge(det, 1.0_dp, abs(det) > 1e-8_dp)
          do i = 1, 3
             d(i) = det*(c(1, i)*f(1) + c(2, i)*f(2) + c(3, i)*f(3))
          end do

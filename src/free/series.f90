@@ -19,7 +19,7 @@ contains
    !> and 3.
    pure subroutine correction(degree, class, p, r, ps, rs)
       integer, intent(in) :: degree                  !! 0 (none) to 11
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class          !! of these bodies
       real(dp), intent(in) :: p(lanes), r(lanes)     !! h^2 p2 and h^2 r2, constants of the motion
       real(dp), intent(out) :: ps(lanes), rs(lanes)  !! 1 + P and 1 + R
       call polynomial(degree, class%p, p, r, ps)

@@ -21,9 +21,10 @@ contains
 
    !> Increments of a step of the three-rotations splitting: order 2. POINSOT_E_STEP for h |omega| >
    !> pi/2, and where a part turns by more. The error grows like the largest moment over the
-   !> smallest.
+   !> smallest. A linear body turns exactly: turns about two of its axes would put momentum about
+   !> the third, where there can be none.
    pure subroutine three_rotations_increment(class, terms, h, y, q, dy, dq, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
@@ -37,23 +38,22 @@ contains
       call refuse_long_steps(class, y, hl, status)
       dy = 0
       dq = 0
+      if (any(.not. class%inverse > 0)) then
+         call turn_along_momentum(maxval(class%inverse), hl, y, q, dy, dq)
+         return
+      end if
       do k = 1, size(axis)
          j = axis(k)
          half = (0.5_dp*part(k))*((y(:, j) + dy(:, j))*class%inverse(j)*hl)
          call refuse_wide_turns(half, status)
          call turn_about(j, half, y, q, dy, dq)
       end do
-      ! The turns leave momentum of order h^3 about an axis without inertia, where there can be
-      ! none.
-      do j = 1, 3
-         if (.not. class%inverse(j) > 0) dy(:, j) = -y(:, j)
-      end do
    end subroutine three_rotations_increment
 
    !> Increments of a step of the symmetric + rotation splitting: order 2. POINSOT_E_STEP for h
    !> |omega| > pi/2.
    pure subroutine symmetric_rotation_increment(class, terms, h, y, q, dy, dq, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
@@ -102,8 +102,9 @@ contains
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: h(lanes)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), p(lanes), r(lanes)
-      call step_sizes(class, h, y, w, p, r)
+      real(dp) :: w(lanes, 3), p(lanes), r(lanes), above
+      call step_sizes(class, h, y, w, p, r, above)
+      if (above <= quarter_turn**2) return
       where (p + r > quarter_turn**2)
          status = poinsot_e_step
          h = 0

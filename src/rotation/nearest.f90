@@ -56,11 +56,11 @@ contains
    !> 1, +-1) V^T from the singular value decomposition (W. Kabsch, Acta Cryst. A32, 922, 1976; G.
    !> Wahba's problem).
    subroutine nearest_rotation(matrix, rotation, error)
-      real(dp), intent(in) :: matrix(3, 3)        !! any scale: a multiple of a noisy rotation
+      real(dp), intent(in) :: matrix(3, 3)        !! a multiple of a noisy rotation, any scale
       real(dp), intent(out) :: rotation(3, 3)     !! orthogonal to rounding; the identity if refused
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain: not finite, or no nearest one
-                                                  !! (rank below 2,
-                                                  !! or the tie of a reflection)
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain if not finite, or if there is
+                                                  !! no nearest one (rank below 2, or the tie of
+                                                  !! a reflection)
       real(dp) :: a(3, 3), s(3), u(3, 3), vt(3, 3), work(64), handed
       integer :: info
       rotation = identity_matrix

@@ -12,8 +12,8 @@ module poinsot_rotation_quaternion
    implicit none(type, external)
    private
    public :: identity_quaternion, unit_tolerance, check_quaternion
-   public :: quaternion_product, quaternion_conjugate, quaternion_inverse, quaternion_norm, &
-      normalise
+   public :: quaternion_product, quaternion_conjugate, quaternion_inverse, &
+      quaternion_norm, normalise
    public :: rotate, rotate_back, quaternion_exp, quaternion_log
    public :: slerp, shortest_arc, attitude_distance, attitude_angle
 
@@ -164,9 +164,9 @@ contains
    pure subroutine shortest_arc(a, b, q, error)
       real(dp), intent(in) :: a(3)                !! from this direction, any length but zero
       real(dp), intent(in) :: b(3)                !! to this direction, any length but zero
-      real(dp), intent(out) :: q(4)               !! unit, scalar part not negative: rotate(q, a)
+      real(dp), intent(out) :: q(4)               !! unit, scalar part not negative; rotate(q, a)
                                                   !! points along b
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain: a vector is zero or not
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain if a vector is zero or not
                                                   !! finite
       real(dp) :: u(3), c(3), w(3)
       q = identity_quaternion

@@ -16,7 +16,7 @@ contains
 
    !> Check and convert one group. Error: POINSOT_E_SCENE naming file, line and key.
    subroutine build_bodies(group, bodies, error)
-      type(typed_group), intent(in) :: group
+      type(typed_group), intent(in) :: group !! keys with their values
       type(body_group), intent(out) :: bodies
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)
@@ -48,8 +48,8 @@ contains
       end select
       bodies%temperature = number_of(group, "temperature")
       if (bodies%random == random_thermal .neqv. given(group, "temperature")) then
-         call complain(group, "temperature", "goes with random = 'thermal' and is needed there", &
-            error)
+         call complain(group, "temperature", &
+                       "goes with random = 'thermal' and is needed there", error)
       else if (bodies%temperature < 0) then
          call complain(group, "temperature", "= " // text_of(bodies%temperature) // &
                        " must not be negative", error)
@@ -58,8 +58,8 @@ contains
                        "' asks for random attitudes; leave one of them out", error)
       else if (bodies%random == random_thermal .and. &
                (given(group, "y") .or. given(group, "omega"))) then
-         call complain(group, "random", "= 'thermal' draws the momenta; leave y and omega out", &
-            error)
+         call complain(group, "random", &
+                       "= 'thermal' draws the momenta; leave y and omega out", error)
       end if
    end subroutine build_random
 
@@ -78,9 +78,8 @@ contains
       end if
       norm = norm2(q/largest)
       if (largest > 2 .or. abs(norm*min(largest, 2.0_dp) - 1) > unit_tolerance) then
-         call complain(group, "q", &
-            "is not a unit quaternion; with its length divided out it is " // &
-                       text_of(q/largest/norm), error)
+         call complain(group, "q", "is not a unit quaternion; with its length divided out it " // &
+                       "is " // text_of(q/largest/norm), error)
          return
       end if
       bodies%q = q
@@ -120,8 +119,8 @@ contains
              abs(vector) <= 1e-13_dp*maxval(abs(vector))) bodies%y = 0
       do j = 1, 3
          if (bodies%moments(j) > 0 .or. abs(bodies%y(j)) <= 0) cycle
-         call complain(group, "y", "has momentum " // text_of(vector(j)) // &
-            " about principal axis " // &
+         call complain(group, &
+                       "y", "has momentum " // text_of(vector(j)) // " about principal axis " // &
                        text_of(j) // ", whose moment is zero; only 0 is possible there", error)
          return
       end do

@@ -11,7 +11,7 @@ module poinsot_scene_build
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_names, only: effect_table, method_list, splitting_list, is_exact_method
    use poinsot_scene_typed_group, only: typed_group, meet, given, number_of, numbers_of, word_of, &
-      integer_of, complain
+      integer_of, plain, complain
    use poinsot_scene_bodies, only: build_bodies
    use poinsot_scene_effects, only: build_effects
    use poinsot_scene_schedule, only: step_total, output_count
@@ -27,8 +27,8 @@ contains
    !> Make a typed scene of a scanned file. Error: POINSOT_E_SCENE, or POINSOT_E_DOMAIN for a body,
    !> with a message that names file, line, group and key, and what would be right.
    subroutine build_scene(source, scene, error)
-      type(scene_source), intent(in) :: source
-      type(scene_settings), intent(out) :: scene
+      type(scene_source), intent(in) :: source   !! the scanned file
+      type(scene_settings), intent(out) :: scene !! the typed scene
       type(poinsot_error), intent(inout) :: error
       type(effect_info), allocatable :: effects(:)
       scene%file = source%file
@@ -65,9 +65,8 @@ contains
       do i = 1, source%count
          if (.not. any(known == source%groups(i)%name)) then
             call refuse(error, source%file, source%groups(i)%line, "unknown group " // &
-                        quoted("&" // source%groups(i)%name) // &
-                           "; the nearest known group is ""&" // &
-                        nearest_name(source%groups(i)%name, known) // """")
+                        quoted("&" // source%groups(i)%name) // "; the nearest known group " // &
+                        "is ""&" // nearest_name(source%groups(i)%name, known) // """")
             return
          end if
          first = find_group(source, source%groups(i)%name)
@@ -109,9 +108,8 @@ contains
       else if (scene%h < 0 .or. (given(group, "h") .and. scene%h <= 0)) then
          call complain(group, "h", "= " // text_of(scene%h) // " must be positive", error)
       else if (scene%h > 0 .and. scene%t_end/max(scene%h, 1e-290_dp) > most_steps) then
-         call complain(group, "h", "= " // text_of(scene%h) // &
-            " makes more than 1e15 steps to " // &
-                       "t_end = " // text_of(scene%t_end) // "; give a longer step", error)
+         call complain(group, "h", "= " // text_of(scene%h) // " makes more than 1e15 steps " // &
+                       "to t_end = " // text_of(scene%t_end) // "; give a longer step", error)
       else if (scene%tol < 1e-15_dp .or. scene%tol > 1) then
          call complain(group, "tol", "= " // text_of(scene%tol) // " is not from 1e-15 to 1", error)
       end if
@@ -164,8 +162,8 @@ contains
          if (.not. raised(error)) call build_bodies(group, scene%bodies(i), error)
          if (raised(error)) return
          if (body_total(scene) <= largest_count) cycle
-         call complain(group, "count", "makes more than " // text_of(largest_count) // " bodies", &
-            error)
+         call complain(group, "count", &
+                       "makes more than " // text_of(largest_count) // " bodies", error)
          return
       end do
    end subroutine build_all_bodies
@@ -291,9 +289,7 @@ contains
       if (raised(error)) return
       if (sample > 0) then
          if (given(group, "bodies")) then
-            call complain(group, "sample", &
-               "and bodies are both given; " // &
-               "leave one out", error)
+            call complain(group, "sample", "and bodies are both given; leave one out", error)
          end if
          scene%output%bodies = [(1 + (i - 1)*body_total(scene)/sample, i=1, int(sample))]
          return
@@ -303,7 +299,7 @@ contains
          if (numbers(i) >= 1 .and. numbers(i) <= real(body_total(scene), dp)) then
             if (abs(numbers(i) - aint(numbers(i))) <= 0) cycle
          end if
-         call complain(group, "bodies", "names body " // text_of(numbers(i)) // &
+         call complain(group, "bodies", "names body " // plain(numbers(i)) // &
                        "; the scene has bodies 1 to " // text_of(body_total(scene)), error)
          return
       end do
@@ -327,9 +323,8 @@ contains
          call refuse(error, scene%file, line, "&scene: the key ""h"" is required, because of &" // &
                      scene%effects(1)%name // "; only free bodies do without")
       else if (scene%h <= 0 .and. .not. is_exact_method(scene%method)) then
-         call refuse(error, scene%file, line, &
-            "&scene: the key ""h"" is required for method = '" // &
-                     scene%method // "'; only 'exact' and 'jacobi' do without")
+         call refuse(error, scene%file, line, "&scene: the key ""h"" is required for method " // &
+                     "= '" // scene%method // "'; only 'exact' and 'jacobi' do without")
       end if
    end subroutine check_run
 

@@ -21,10 +21,10 @@ contains
    !> Put the comparison into the report; none for large runs, continued runs and random effects. A
    !> comparison that fails is no failure of the run.
    subroutine compare_end(scene, begin, states, report)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene       !! the typed scene
       type(body_states), intent(in) :: begin          !! not filled for a large run
       type(body_states), intent(in) :: states         !! at the end
-      type(run_report), intent(inout) :: report
+      type(run_report), intent(inout) :: report       !! what the summary says
       type(body_states) :: other
       type(poinsot_error) :: refused
       logical :: free
@@ -68,8 +68,7 @@ contains
       if (scene%method == "exact") method = "jacobi"
       call start_engine(scene, better, error, method)
       if (.not. raised(error)) then
-         call engine_step(better, other, 0.0_dp, scene%t_end, 0_i8, 1_i8, &
-            error)
+         call engine_step(better, other, 0.0_dp, scene%t_end, 0_i8, 1_i8, error)
       end if
       report%reference = "'" // method // "' in one stride"
    end subroutine free_reference
@@ -89,8 +88,8 @@ contains
          if (raised(error)) return
          part = get_piece(scene, k)
          h = part%h/real(finer, dp)
-         call engine_step(better, other, part%from - real(step, dp)*h, h, step, finer*part%steps, &
-                          error)
+         call engine_step(better, other, part%from - real(step, dp)*h, h, step, &
+                          finer*part%steps, error)
          step = step + finer*part%steps
       end do
       report%reference = "the same scene with 'exact' and a quarter of the step"
@@ -107,8 +106,7 @@ contains
       do i = 1, states%n
          unit = max(maxval(abs(states%y(:, i))), maxval(abs(other%y(:, i))))
          if (unit > 0) then
-            report%error_y = max(report%error_y, &
-               norm2((states%y(:, i) - other%y(:, i))/unit))
+            report%error_y = max(report%error_y, norm2((states%y(:, i) - other%y(:, i))/unit))
          end if
          report%error_q = max(report%error_q, attitude_distance(states%q(:, i), other%q(:, i)))
       end do

@@ -25,7 +25,7 @@ contains
 
    !> Remember the start.
    subroutine start_drift(states, kinetic, potential, drift, code)
-      type(body_states), intent(in) :: states
+      type(body_states), intent(in) :: states          !! of all bodies
       real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
       type(drift_watch), intent(out) :: drift
       integer, intent(out) :: code                     !! not 0: no memory
@@ -46,7 +46,7 @@ contains
 
    !> Compare with the start.
    subroutine follow_drift(states, kinetic, potential, drift)
-      type(body_states), intent(in) :: states
+      type(body_states), intent(in) :: states          !! of all bodies
       real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
       type(drift_watch), intent(inout) :: drift
       real(dp) :: now(3), length
@@ -64,8 +64,7 @@ contains
       end do
       drift%total_size = max(drift%total_size, sum(abs(kinetic)) + sum(abs(potential)))
       drift%energy_change = max(drift%energy_change, &
-                                relative(sum(kinetic) + sum(potential) - drift%total, &
-                                   drift%total_size))
+         relative(sum(kinetic) + sum(potential) - drift%total, drift%total_size))
    end subroutine follow_drift
 
    !> |v| without leaving the range of numbers.

@@ -20,7 +20,7 @@ contains
 
    !> All effect groups of the file. Error: POINSOT_E_SCENE naming file, line, group and key.
    subroutine build_effects(source, scene, error)
-      type(scene_source), intent(in) :: source
+      type(scene_source), intent(in) :: source     !! the scanned file
       type(scene_settings), intent(inout) :: scene !! its bodies are known; gets the effects
       type(poinsot_error), intent(inout) :: error
       type(effect_info), allocatable :: table(:)
@@ -67,11 +67,18 @@ contains
       if (raised(error)) return
       call make_effect(item%name, item%settings, made, refused)
       if (raised(refused)) then
-         call refuse(error, source%file, group%line, "&" // group%name // &
-            ": " // &
-            refused%message)
+         call refuse(error, source%file, group%line, "&" // group%name // ": " // &
+                     without(refused%message, "effect '" // group%name // "': "))
       end if
    end subroutine build_one
+
+   !> A message without its beginning, if that says what stands there already.
+   pure function without(message, beginning) result(rest)
+      character(*), intent(in) :: message, beginning
+      character(:), allocatable :: rest
+      rest = message
+      if (index(message, beginning) == 1) rest = message(len(beginning) + 1:)
+   end function without
 
    !> &torque file = '...': its numbers in place of times and table.
    subroutine take_file(scene_file, group, item, error)
@@ -79,6 +86,7 @@ contains
       type(typed_group), intent(in) :: group
       type(effect_setting), intent(inout) :: item
       type(poinsot_error), intent(inout) :: error
+      type(poinsot_error) :: refused
       real(dp), allocatable :: times(:), rows(:)
       character(:), allocatable :: name
       integer :: i, n
@@ -89,13 +97,16 @@ contains
       end if
       name = word_of(group, "file")
       if (len(name) == 0) then
-         call complain(group, "file", "is empty; name a file with lines of t and three torques", &
-            error)
+         call complain(group, "file", &
+                       "is empty; name a file with lines of t and three torques", error)
          return
       end if
       if (name(1:1) /= "/") name = scene_file(:index(scene_file, "/", back=.true.)) // name
-      call read_table(name, 3, times, rows, error)
-      if (raised(error)) return
+      call read_table(name, 3, times, rows, refused)
+      if (raised(refused)) then
+         call complain(group, "file", "refused: " // refused%message, error)
+         return
+      end if
       n = 0
       do i = 1, size(item%settings)
          if (item%settings(i)%key == "file") cycle
@@ -133,7 +144,7 @@ contains
 
    !> Positions of all bodies, as their groups say.
    subroutine body_positions(scene, position)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene            !! the typed scene
       real(dp), allocatable, intent(out) :: position(:, :) !! (3, bodies)
       integer(i8) :: j, n
       integer :: i

@@ -26,7 +26,7 @@ contains
 
    !> Make the plan. Error: whatever the plan refuses.
    subroutine start_engine(scene, this, error, method)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene    !! the typed scene
       type(engine), intent(out) :: this
       type(poinsot_error), intent(inout) :: error
       character(*), intent(in), optional :: method !! instead of the scene's
@@ -133,12 +133,9 @@ contains
          if (states%status(i) /= poinsot_ok) exit
       end do
       call raise(error, poinsot_e_partial, text_of(count(states%status /= poinsot_ok)) // &
-         " of " // &
-                 text_of(states%n) // " bodies failed between t = " // &
-                 text_of(origin + real(first, dp)*h) // " and " // &
-                 text_of(origin + real(first + steps, dp)*h) // "; the first is body " // &
-                    text_of(i) // ": " // &
-                 status_text(states%status(i)))
+                 " of " // text_of(states%n) // " bodies failed between t = " // text_of(origin + &
+                 real(first, dp)*h) // " and " // text_of(origin + real(first + steps, dp)*h) // &
+                 "; the first is body " // text_of(i) // ": " // status_text(states%status(i)))
    end subroutine engine_step
 
    !> What went wrong on any rank is known to all; bodies that failed, with their states.

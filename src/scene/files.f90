@@ -70,7 +70,7 @@ contains
 
    !> Make a folder and those above it; one that is there is welcome. Error: POINSOT_E_IO.
    subroutine make_folder(path, error)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path !! of the file
       type(poinsot_error), intent(inout) :: error
       integer :: at, code
       integer(c_int), parameter :: everyone = int(o"777", c_int) ! less what the umask takes
@@ -89,19 +89,19 @@ contains
 
    !> Is there a folder of that name?
    logical function is_folder(path)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path !! of the file
       inquire (file=path // "/.", exist=is_folder)
    end function is_folder
 
    !> Is there anything of that name?
    logical function file_exists(path)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path !! of the file
       inquire (file=path, exist=file_exists)
    end function file_exists
 
    !> Remove a file, and what an interrupted run left of it; none there is no error.
    subroutine remove_file(path)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path !! of the file
       integer(c_int) :: code
       code = c_remove(path // c_null_char)
       code = c_remove(path // unfinished // c_null_char)
@@ -109,8 +109,8 @@ contains
 
    !> Begin a file. An older one of that name goes away now. Error: POINSOT_E_IO.
    subroutine open_out(path, file, error)
-      character(*), intent(in) :: path
-      type(out_file), intent(out) :: file
+      character(*), intent(in) :: path    !! of the file
+      type(out_file), intent(out) :: file !! open from here on
       type(poinsot_error), intent(inout) :: error
       call remove_file(path)
       file%path = path
@@ -123,13 +123,13 @@ contains
 
    !> Is it open?
    pure logical function is_open(file)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       is_open = c_associated(file%handle)
    end function is_open
 
    !> One line. Error: POINSOT_E_IO, a full disk for instance; nothing is written after an error.
    subroutine put(file, line, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       character(*), intent(in) :: line
       type(poinsot_error), intent(inout) :: error
       integer(c_size_t) :: length
@@ -143,14 +143,13 @@ contains
    subroutine no_room(file, error)
       type(out_file), intent(in) :: file
       type(poinsot_error), intent(inout) :: error
-      call raise(error, poinsot_e_io, file%path // &
-         ": cannot be written to its end: is the disk full? " // &
-                 "What there is of it is called " // file%path // unfinished)
+      call raise(error, poinsot_e_io, file%path // ": cannot be written to its end: is the " // &
+                 "disk full? What there is of it is called " // file%path // unfinished)
    end subroutine no_room
 
    !> What is written so far to the disk. Error: POINSOT_E_IO.
    subroutine flush_out(file, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       type(poinsot_error), intent(inout) :: error
       if (raised(error) .or. .not. is_open(file)) return
       if (c_fflush(file%handle) /= 0) call no_room(file, error)
@@ -160,7 +159,7 @@ contains
    !> one.
    !> Error: POINSOT_E_IO.
    subroutine finish_out(file, error)
-      type(out_file), intent(inout) :: file
+      type(out_file), intent(inout) :: file !! open
       type(poinsot_error), intent(inout) :: error
       integer(c_int) :: code
       if (.not. is_open(file)) return
@@ -170,8 +169,8 @@ contains
       if (code /= 0) then
          call no_room(file, error)
       else if (c_rename(file%path // unfinished // c_null_char, file%path // c_null_char) /= 0) then
-         call raise(error, poinsot_e_io, file%path // ": cannot be renamed from " // file%path // &
-                    unfinished)
+         call raise(error, poinsot_e_io, &
+                    file%path // ": cannot be renamed from " // file%path // unfinished)
       end if
    end subroutine finish_out
 

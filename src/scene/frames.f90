@@ -24,7 +24,7 @@ contains
 
    !> Open what the scene asks for; nothing for a scene without &output. Error: POINSOT_E_IO.
    subroutine open_frames(scene, out, frames, error)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       character(*), intent(in) :: out
       type(frame_writer), intent(inout) :: frames
       type(poinsot_error), intent(inout) :: error
@@ -74,9 +74,9 @@ contains
    !> One frame. Error: POINSOT_E_IO.
    subroutine write_frame(frames, scene, t, states, kinetic, potential, error)
       type(frame_writer), intent(inout) :: frames
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene           !! the typed scene
       real(dp), intent(in) :: t                           !! time
-      type(body_states), intent(in) :: states
+      type(body_states), intent(in) :: states             !! of all bodies
       real(dp), intent(in) :: kinetic(:), potential(:)    !! of all bodies
       type(poinsot_error), intent(inout) :: error
       integer :: i, k

@@ -18,7 +18,7 @@ contains
 
    !> Exactly one of moments, tensor and shape. Error: POINSOT_E_SCENE naming file, line and key.
    subroutine find_moments(group, bodies, error)
-      type(typed_group), intent(in) :: group
+      type(typed_group), intent(in) :: group    !! keys with their values
       type(body_group), intent(inout) :: bodies !! gets moments, axes, frame, turned
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)
@@ -70,11 +70,9 @@ contains
       character(:), allocatable :: name
       name = word_of(group, "shape")
       if (shape_sizes(name) < 0) then
-         call complain(group, "shape", "= " // quoted(name) // &
-            ": unknown shape; the nearest known " // &
-                       "one is """ // nearest_name(name(:min(len(name), 60)), shape_names()) // &
-                          """", &
-                       error)
+         call complain(group, "shape", &
+                       "= " // quoted(name) // ": unknown shape; the nearest known one is """ // &
+                       nearest_name(name(:min(len(name), 60)), shape_names()) // """", error)
          return
       end if
       call numbers_of(group, "size", values)

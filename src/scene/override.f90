@@ -5,10 +5,9 @@ module poinsot_scene_override
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: lower, quoted, text_of
    use poinsot_scene_number, only: parse_integer, number_ok
-   use poinsot_scene_reader, only: scan_values
+   use poinsot_scene_values, only: scan_values
    use poinsot_scene_source, only: scene_source, scene_group, scene_entry, append, find_group, &
-      refuse, &
-      from_option
+      refuse, from_option
    implicit none(type, external)
    private
    public :: override
@@ -22,7 +21,7 @@ contains
    !> of that form; whether group and key exist is found out when the scene is built.
    subroutine override(text, source, error)
       character(*), intent(in) :: text               !! group.key=value
-      type(scene_source), intent(inout) :: source
+      type(scene_source), intent(inout) :: source    !! the scanned file
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: group
       type(scene_entry) :: entry
@@ -30,7 +29,8 @@ contains
       equals = index(text, "=")
       dot = index(text(:max(equals - 1, 0)), ".")
       if (dot < 2 .or. equals < dot + 2 .or. equals == len(text)) then
-         call refuse(error, place, 0, quoted(text) // " is not of the form group.key=value")
+         call refuse(error, place, 0, quoted(text) // " is not of the form group.key=value, " // &
+                     "as in scene.h=0.1")
          return
       end if
       group = lower(trim(adjustl(text(:dot - 1))))
@@ -40,9 +40,8 @@ contains
       if (.not. raised(error)) call scan_values(text(equals + 1:), place, group, entry, error)
       if (raised(error)) return
       if (group == "bodies" .and. nth == 0 .and. find_group(source, "bodies", 2) > 0) then
-         call refuse(error, place, 0, quoted(text) // &
-            ": the scene has several &bodies groups; " // &
-                     "name one, as in bodies(2)." // entry%key)
+         call refuse(error, place, 0, quoted(text) // ": the scene has several &bodies " // &
+                     "groups; name one, as in bodies(2)." // entry%key)
          return
       end if
       call put_entry(source, group, max(nth, 1), entry, error)

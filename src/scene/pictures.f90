@@ -4,7 +4,9 @@
 module poinsot_scene_pictures
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_settings, only: scene_settings
-   use poinsot_scene_plots_body, only: write_attitude, write_momentum, write_drift
+   use poinsot_scene_plots_body, only: write_attitude
+   use poinsot_scene_plots_momentum, only: write_momentum
+   use poinsot_scene_plots_drift, only: write_drift
    use poinsot_scene_plots_top, only: write_nutation, write_angle, write_tilt
    use poinsot_scene_plots_ensemble, only: write_temperature, write_momenta, wanted_temperature
    implicit none(type, external)
@@ -16,9 +18,10 @@ module poinsot_scene_pictures
 
 contains
 
-   !> Names of the pictures a scene has: NAME is drawn by plot_NAME.gp into NAME.svg and NAME.png.
+   !> Names of the pictures that a scene has. NAME is drawn by plot_NAME.gp, into NAME.svg and
+   !> NAME.png.
    subroutine picture_names(scene, names)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       character(16), allocatable, intent(out) :: names(:)
       allocate (names(0))
       if (.not. (scene%output%present .and. scene%output%csv)) return
@@ -53,8 +56,8 @@ contains
 
    !> Write the scripts. Error: POINSOT_E_IO.
    subroutine write_pictures(scene, out, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: out        !! the folder of the trajectory
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: out           !! the folder of the trajectory
       type(poinsot_error), intent(inout) :: error
       character(16), allocatable :: names(:)
       character(:), allocatable :: path

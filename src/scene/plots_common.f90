@@ -1,13 +1,13 @@
-!> What the plot scripts share: terminals, columns of the trajectory, the sphere and its projection.
+!> What the plot scripts share: terminals, colours, columns of the trajectory.
 module poinsot_scene_plots_common
-   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error
    use poinsot_scene_text, only: text_of
    use poinsot_scene_files, only: out_file, put
    use poinsot_scene_settings, only: scene_settings, body_total
    implicit none(type, external)
    private
-   public :: put_lines, put_start, put_end, put_columns, put_sphere, written_bodies, first_group
+   public :: put_lines, put_start, put_end, put_columns, written_bodies, first_group
 
    character(*), parameter, public :: dark = "#1f3f66"   !! what the picture is about
    character(*), parameter, public :: pale = "#b4c2d2"   !! the same on the far side
@@ -18,7 +18,7 @@ contains
 
    !> Lines of a script; blanks at the ends are dropped, empty ones left out.
    subroutine put_lines(file, lines, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       character(*), intent(in) :: lines(:)
       type(poinsot_error), intent(inout) :: error
       integer :: i
@@ -29,14 +29,14 @@ contains
 
    !> How many bodies a frame has.
    pure integer function written_bodies(scene)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       written_bodies = size(scene%output%bodies)
       if (written_bodies == 0) written_bodies = int(body_total(scene))
    end function written_bodies
 
    !> Group of the first body written.
    pure integer function first_group(scene)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       integer(i8) :: body, last
       body = 1
       if (size(scene%output%bodies) > 0) body = scene%output%bodies(1)
@@ -50,8 +50,8 @@ contains
 
    !> Head of a script: how to run it, data, and the loop over terminals that put_end closes.
    subroutine put_start(scene, file, name, width, height, error)
-      type(scene_settings), intent(in) :: scene
-      type(out_file), intent(in) :: file
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      type(out_file), intent(in) :: file        !! open
       character(*), intent(in) :: name          !! of the picture
       integer, intent(in) :: width, height      !! points
       type(poinsot_error), intent(inout) :: error
@@ -80,14 +80,14 @@ contains
 
    !> Close the loop over terminals.
    subroutine put_end(file, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       type(poinsot_error), intent(inout) :: error
       call put_lines(file, [character(20) :: "unset output", "}"], error)
    end subroutine put_end
 
    !> Columns of the rotation matrix, as functions of the columns 3 to 6 of a row.
    subroutine put_columns(file, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file !! open
       type(poinsot_error), intent(inout) :: error
       call put_lines(file, [character(100) :: &
          "# entry i of column j of the rotation matrix, from the quaternion a b c d", &
@@ -101,24 +101,5 @@ contains
          "q23(a,b,c,d) = 2*(c*d - a*b)", &
          "q33(a,b,c,d) = 1 - 2*(b*b + c*c)"], error)
    end subroutine put_columns
-
-   !> The unit sphere seen from (azimuth, height) in degrees: projection, depth, and a wire frame
-   !> `wires` to begin a plot with.
-   subroutine put_sphere(file, azimuth, height, error)
-      type(out_file), intent(in) :: file
-      integer, intent(in) :: azimuth, height    !! where the eye is
-      type(poinsot_error), intent(inout) :: error
-      call put(file, "az = " // text_of(azimuth) // "*pi/180; el = " // text_of(height) // &
-               "*pi/180   # where the eye is", error)
-      call put_lines(file, [character(100) :: &
-         "px(x,y,z) = -sin(az)*x + cos(az)*y", &
-         "py(x,y,z) = -cos(az)*sin(el)*x - sin(az)*sin(el)*y + cos(el)*z", &
-         "depth(x,y,z) = cos(az)*cos(el)*x + sin(az)*cos(el)*y + sin(el)*z", &
-         "near(x,y,z) = depth(x,y,z) >= 0 ? px(x,y,z) : NaN", &
-         "far(x,y,z) = depth(x,y,z) < 0 ? px(x,y,z) : NaN", &
-         "set size ratio -1; unset border; unset tics; unset key", &
-         "set xrange [-1.18:1.18]; set yrange [-1.18:1.18]; set samples 361"], error)
-      call put(file, "wire(side) = side == 0 ? '#efefef' : '#d9d9d9'", error)
-   end subroutine put_sphere
 
 end module poinsot_scene_plots_common

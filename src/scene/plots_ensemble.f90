@@ -5,8 +5,7 @@ module poinsot_scene_plots_ensemble
    use poinsot_scene_text, only: text_of
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_settings, only: scene_settings
-   use poinsot_scene_plots_common, only: put_lines, put_start, put_end, first_group, dark, pale, &
-      grey
+   use poinsot_scene_plots_common, only: put_lines, put_start, put_end, first_group
    implicit none(type, external)
    private
    public :: write_temperature, write_momenta, wanted_temperature
@@ -27,7 +26,7 @@ contains
 
    !> kT of the thermostat if there is one, else of the first momenta.
    pure real(dp) function wanted_temperature(scene) result(kt)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       integer :: i, k
       kt = maxval(scene%bodies%temperature)
       do i = 1, size(scene%effects)
@@ -42,8 +41,8 @@ contains
 
    !> Mean of y_i^2/I_i over the bodies, for each axis, against time.
    subroutine write_temperature(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       call open_out(path, file, error)
@@ -54,8 +53,8 @@ contains
          "set key bottom right reverse Left; set border 3; set tics nomirror out", &
          "set xlabel 't'; set ylabel 'temperature of each axis / wanted one'", &
          "set autoscale xfix; set yrange [0:1.4]", &
-         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lc rgb '#b0b0b0' dt 2"], &
-            error)
+         "set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead " // &
+         "lc rgb '#b0b0b0' dt 2"], error)
       call put_lines(file, [character(160) :: &
          "plot file skip 1 using 1:(i1 > 0 ? $7**2/i1/kt : NaN) smooth unique title 'axis 1' " // &
          "with lines lc rgb '#1f3f66' lw 2, \", &
@@ -69,8 +68,8 @@ contains
 
    !> Distribution of y_i/sqrt(I_i kT) at the last output, beside the normal one.
    subroutine write_momenta(scene, path, error)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: path
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(*), intent(in) :: path          !! of the file
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       call open_out(path, file, error)

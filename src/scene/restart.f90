@@ -6,7 +6,7 @@ module poinsot_scene_restart
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene, poinsot_e_memory
    use poinsot_rotation_quaternion, only: unit_tolerance
-   use poinsot_scene_text, only: text_of, quoted
+   use poinsot_scene_text, only: reason_of, text_of, quoted
    use poinsot_scene_source, only: place
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    implicit none(type, external)
@@ -36,7 +36,7 @@ contains
 
    !> Write a restart file under a temporary name, then give it its own. Error: POINSOT_E_IO.
    subroutine write_restart(path, state, error)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path !! of the file
       type(restart_state), intent(in) :: state
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
@@ -115,7 +115,7 @@ contains
    !> Read a restart file. Error: POINSOT_E_IO if it cannot be read, POINSOT_E_SCENE if it is none,
    !> of another version, truncated, changed, or of another number of bodies.
    subroutine read_restart(path, bodies, kinds, state, error)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path            !! of the file
       integer(i8), intent(in) :: bodies           !! how many the scene has
       integer(i8), intent(in) :: kinds            !! their `sum_of_kinds`
       type(restart_state), intent(out) :: state
@@ -124,7 +124,7 @@ contains
       character(200) :: reason
       open (newunit=unit, file=path, action="read", status="old", iostat=code, iomsg=reason)
       if (code /= 0) then
-         call raise(error, poinsot_e_io, path // ": cannot be opened: " // trim(reason))
+         call raise(error, poinsot_e_io, path // ": cannot be opened: " // reason_of(reason))
          return
       end if
       call read_head(unit, path, bodies, kinds, state, error)
@@ -135,7 +135,7 @@ contains
    !> Method, splitting and step of a restart file: what a scene that leaves them to `auto` goes on
    !> with. Errors as of read_restart.
    subroutine read_choice(path, method, splitting, h, error)
-      character(*), intent(in) :: path
+      character(*), intent(in) :: path            !! of the file
       character(:), allocatable, intent(out) :: method, splitting
       real(dp), intent(out) :: h                  !! 0: none
       type(poinsot_error), intent(inout) :: error
@@ -146,7 +146,7 @@ contains
       line = 0
       open (newunit=unit, file=path, action="read", status="old", iostat=code, iomsg=reason)
       if (code /= 0) then
-         call raise(error, poinsot_e_io, path // ": cannot be opened: " // trim(reason))
+         call raise(error, poinsot_e_io, path // ": cannot be opened: " // reason_of(reason))
          return
       end if
       call next(unit, path, magic, line, word, error)
@@ -176,8 +176,7 @@ contains
       if (raised(error)) return
       if (word /= text_of(version)) then
          call bad(path, line, "is of version " // quoted(word) // &
-            "; this program reads version " // &
-                  text_of(version), error)
+                  "; this program reads version " // text_of(version), error)
          return
       end if
       call next(unit, path, "method", line, state%method, error)
@@ -199,8 +198,7 @@ contains
                   text_of(bodies), error)
       else if (told /= digits_of(kinds)) then
          call bad(path, line - 1, &
-            "is of bodies with other moments, or in other groups, than the " // &
-                  "scene's", error)
+                  "is of bodies with other moments, or in other groups, than the scene's", error)
       end if
    end subroutine read_head
 
@@ -220,9 +218,9 @@ contains
       if (code /= 0) then
          call bad(path, line, "the file ends where """ // key // """ is expected", error)
       else if (text(:len(key) + 1) /= key // " ") then
-         call bad(path, line, "begins with " // quoted(trim(text(:min(40, len(text))))) // &
-                  " where """ // key // """ is expected: not a restart file, or a damaged one", &
-                     error)
+         call bad(path, line, &
+                  "begins with " // quoted(trim(text(:min(40, len(text))))) // " where """ // &
+                  key // """ is expected: not a restart file, or a damaged one", error)
       else
          word = trim(adjustl(text(len(key) + 2:)))
          if (index(word, " ") > 0) word = word(:index(word, " ") - 1)
@@ -319,9 +317,8 @@ contains
       call next(unit, path, "end", line, word, error)
       if (raised(error)) return
       if (word /= digits_of(total)) then
-         call bad(path, line, &
-            "the sum at the end is not that of the numbers: " // &
-            "the file was changed or damaged", error)
+         call bad(path, line, "the sum at the end is not that of the numbers: the file was " // &
+                  "changed or damaged", error)
       end if
    end subroutine read_bodies
 

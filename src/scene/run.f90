@@ -14,8 +14,7 @@ module poinsot_scene_run
    use poinsot_scene_drift, only: start_drift, follow_drift
    use poinsot_scene_files, only: make_folder, remove_file, file_exists
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
-   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, &
-      sum_of_kinds
+   use poinsot_scene_restart, only: restart_state, write_restart, read_restart, sum_of_kinds
    use poinsot_scene_summary, only: run_report, write_summary
    use poinsot_scene_compare, only: compare_end
    use poinsot_scene_pictures, only: write_pictures, picture_files
@@ -48,7 +47,7 @@ contains
    !> says that the run is not complete.
    !> With a crew, bodies are dealt out to its ranks; every rank calls, rank 0 writes.
    subroutine run_scene(scene, out, watch, report, error, crew)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene    !! the typed scene
       character(*), intent(in) :: out              !! folder for the output
       class(run_watch), intent(inout) :: watch     !! asked whether to go on, told how far it is
       type(run_report), intent(out) :: report      !! what the summary says
@@ -103,9 +102,7 @@ contains
       call clear(closing)
       if (.not. raised(error)) call save_restart(scene, out, run, report, closing)
       if (.not. raised(closing)) then
-         call write_summary(out // "/summary.txt", scene, report, &
-            run%states, &
-            closing)
+         call write_summary(out // "/summary.txt", scene, report, run%states, closing)
       end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
@@ -129,7 +126,7 @@ contains
 
    !> Can the scene be run? Makes the plan, runs nothing. Error: whatever the plan refuses.
    subroutine check_scene(scene, error)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       type(poinsot_error), intent(inout) :: error
       type(engine) :: trial
       call start_engine(scene, trial, error)
@@ -147,9 +144,8 @@ contains
       report%method = scene%method
       report%splitting = scene%splitting
       if (is_auto(scene)) then
-         call raise(error, poinsot_e_method, scene%file // &
-            ": 'auto' is to be settled before the " // &
-                    "run (poinsot_study_auto)")
+         call raise(error, poinsot_e_method, &
+                    scene%file // ": 'auto' is to be settled before the run (poinsot_study_auto)")
          return
       end if
       call first_states(scene, run%states, error)
@@ -212,9 +208,8 @@ contains
       type(restart_state) :: saved
       if (len(scene%from) == 0) return
       if (index(scene%from, out // "/") == 1 .and. index(scene%from(len(out) + 2:), "/") == 0) then
-         call raise(error, poinsot_e_scene, scene%from // &
-            ": lies in the output folder, and the run " // &
-                    "would overwrite what it continues; choose another --out")
+         call raise(error, poinsot_e_scene, scene%from // ": lies in the output folder, and " // &
+                    "the run would overwrite what it continues; choose another --out")
          return
       end if
       call read_restart(scene%from, body_total(scene), kinds_of(scene), saved, error)

@@ -23,7 +23,7 @@ contains
 
    !> How many pieces the run has.
    pure integer(i8) function piece_count(scene) result(pieces)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       integer :: n
       if (.not. scene%output%present) then
          pieces = 1
@@ -40,8 +40,8 @@ contains
 
    !> The k-th piece, counted from 1.
    pure function get_piece(scene, k) result(part)
-      type(scene_settings), intent(in) :: scene
-      integer(i8), intent(in) :: k !! 1 to piece_count
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      integer(i8), intent(in) :: k              !! 1 to piece_count
       type(piece) :: part
       part%from = border(scene, k - 1)
       part%to = border(scene, k)
@@ -85,14 +85,14 @@ contains
 
    !> Steps of the whole run, as a real: an absurd h must not overflow.
    pure real(dp) function step_total(scene) result(steps)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       steps = max(output_count(scene) - 1, 1.0_dp)
       if (scene%h > 0) steps = max(steps, scene%t_end/scene%h)
    end function step_total
 
    !> Outputs of the whole run, as a real.
    pure real(dp) function output_count(scene) result(outputs)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       outputs = 0
       if (.not. scene%output%present) return
       if (scene%output%every > 0) then

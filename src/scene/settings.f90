@@ -67,13 +67,13 @@ contains
 
    !> Number of bodies of all groups.
    pure integer(i8) function body_total(scene)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       body_total = sum(scene%bodies%count)
    end function body_total
 
    !> Is the method, the splitting or both still to be chosen?
    pure logical function is_auto(scene)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       is_auto = scene%method == "auto" .or. scene%splitting == "auto" .and. size(scene%effects) > 0
    end function is_auto
 

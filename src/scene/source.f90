@@ -100,9 +100,9 @@ contains
 
    !> Place of the n-th group of that name in the source, 0 if there is none.
    pure integer function find_group(source, name, nth)
-      type(scene_source), intent(in) :: source
-      character(*), intent(in) :: name       !! lower case
-      integer, intent(in), optional :: nth   !! counted from 1 (default)
+      type(scene_source), intent(in) :: source !! the scanned file
+      character(*), intent(in) :: name         !! lower case
+      integer, intent(in), optional :: nth     !! counted from 1 (default)
       integer :: i, left
       left = 1
       if (present(nth)) left = nth
@@ -118,7 +118,7 @@ contains
    !> "file:line: " for a message; without a line (0) "file: "; of the command line (from_option)
    !> "--set (over file): ".
    pure function place(file, line) result(text)
-      character(*), intent(in) :: file
+      character(*), intent(in) :: file !! its name
       integer, intent(in) :: line
       character(:), allocatable :: text
       text = file // ": "
@@ -129,7 +129,7 @@ contains
    !> Raise POINSOT_E_SCENE with the place in front.
    pure subroutine refuse(error, file, line, message)
       type(poinsot_error), intent(inout) :: error
-      character(*), intent(in) :: file
+      character(*), intent(in) :: file      !! its name
       integer, intent(in) :: line           !! 0: the file as a whole
       character(*), intent(in) :: message   !! what is wrong and what would be right
       call raise(error, poinsot_e_scene, place(file, line) // message)

@@ -29,8 +29,8 @@ contains
    !> Where the bodies begin: as given, or drawn as a function of (seed, number of the body).
    !> Error: POINSOT_E_MEMORY.
    subroutine first_states(scene, states, error)
-      type(scene_settings), intent(in) :: scene
-      type(body_states), intent(out) :: states
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      type(body_states), intent(out) :: states  !! of all bodies
       type(poinsot_error), intent(inout) :: error
       integer :: i, n, code, last
       n = int(body_total(scene))
@@ -40,8 +40,8 @@ contains
       if (code == 0) allocate (states%group(n), stat=code)
       if (code == 0) allocate (states%status(n), stat=code)
       if (code /= 0) then
-         call raise(error, poinsot_e_memory, scene%file // ": no memory for " // text_of(n) // &
-                    " bodies")
+         call raise(error, poinsot_e_memory, &
+                    scene%file // ": no memory for " // text_of(n) // " bodies")
          return
       end if
       states%n = n

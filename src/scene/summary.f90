@@ -33,9 +33,9 @@ contains
 
    !> Write the summary. Error: POINSOT_E_IO.
    subroutine write_summary(path, scene, report, states, error)
-      character(*), intent(in) :: path
-      type(scene_settings), intent(in) :: scene
-      type(run_report), intent(in) :: report
+      character(*), intent(in) :: path          !! of the file
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      type(run_report), intent(in) :: report    !! what the summary says
       type(body_states), intent(in) :: states   !! at the end
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
@@ -104,8 +104,7 @@ contains
       body_steps = real(report%steps, dp)*real(body_total(scene), dp)
       if (body_steps > 0) then
          call row(file, "speed", &
-            brief_number(report%stepping*1e9_dp/body_steps) // &
-            " ns per body-step", error)
+                  brief_number(report%stepping*1e9_dp/body_steps) // " ns per body-step", error)
       end if
    end subroutine put_time
 
@@ -117,8 +116,7 @@ contains
       call put(file, "", error)
       call put(file, "largest change at an output, relative" // &
                trim(merge(" (a free body keeps all of them)        ", &
-                          " (with effects, some need not stay)     ", size(scene%effects) == 0)), &
-                             error)
+               " (with effects, some need not stay)     ", size(scene%effects) == 0)), error)
       call row(file, "  energy H", brief_number(report%drift%energy_change), error)
       call row(file, "  |y| (Casimir C)", brief_number(report%drift%casimir_change), error)
       call row(file, "  Q y, all of it", brief_number(report%drift%momentum_change), error)
@@ -141,9 +139,8 @@ contains
          call row(file, "  q", brief_number(report%error_q), error)
          call put(file, "", error)
       end if
-      call put(file, "state at the end, body frame" // &
-               trim(merge(" (the first few)", "                ", states%n > most_bodies_shown)), &
-                  error)
+      call put(file, "state at the end, body frame" // trim(merge(" (the first few)", &
+               "                ", states%n > most_bodies_shown)), error)
       do i = 1, min(states%n, most_bodies_shown)
          y = states%y(:, i)
          q = states%q(:, i)

@@ -3,7 +3,7 @@ module poinsot_scene_table
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io
-   use poinsot_scene_text, only: text_of, quoted
+   use poinsot_scene_text, only: reason_of, text_of, quoted
    use poinsot_scene_number, only: parse_real, number_ok
    use poinsot_scene_source, only: refuse
    implicit none(type, external)
@@ -18,7 +18,7 @@ contains
    !> Read rows of a time and `columns` values. Error: POINSOT_E_IO if the file cannot be read,
    !> POINSOT_E_SCENE naming file and line of what is no such row.
    subroutine read_table(file, columns, times, values, error)
-      character(*), intent(in) :: file
+      character(*), intent(in) :: file                    !! its name
       integer, intent(in) :: columns                      !! values beside the time
       real(dp), allocatable, intent(out) :: times(:)      !! (rows)
       real(dp), allocatable, intent(out) :: values(:)     !! (columns*rows), row after row
@@ -31,7 +31,7 @@ contains
       logical :: empty
       open (newunit=unit, file=file, action="read", status="old", iostat=code, iomsg=reason)
       if (code /= 0) then
-         call raise(error, poinsot_e_io, file // ": cannot be opened: " // trim(reason))
+         call raise(error, poinsot_e_io, file // ": cannot be opened: " // reason_of(reason))
          return
       end if
       allocate (room(columns + 1, 64))
@@ -86,8 +86,7 @@ contains
       end do
       if (k <= size(row) .or. verify(rest, blanks) > 0) then
          call refuse(error, file, line, "a row has " // text_of(size(row)) // &
-            " numbers: a time and " // &
-            text_of(size(row) - 1) // " values")
+                     " numbers: a time and " // text_of(size(row) - 1) // " values")
       end if
    end subroutine read_row
 

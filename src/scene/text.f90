@@ -3,7 +3,7 @@ module poinsot_scene_text
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
    private
-   public :: lower, text_of, printable, joined, quoted, escaped
+   public :: lower, text_of, printable, joined, quoted, escaped, reason_of
 
    !> A number as text: integers plainly, reals with the fewest digits that keep their bits.
    interface text_of
@@ -130,6 +130,17 @@ contains
       character(:), allocatable :: marked
       marked = """" // printable(text) // """"
    end function quoted
+
+   !> What the system says of a file, without the name that stands in the message already: "No such
+   !> file or directory".
+   pure function reason_of(message) result(reason)
+      character(*), intent(in) :: message !! of an iomsg
+      character(:), allocatable :: reason
+      integer :: quote
+      quote = index(message, "': ", back=.true.)
+      reason = trim(message)
+      if (quote > 0) reason = trim(message(quote + 3:))
+   end function reason_of
 
    !> The words as one text, "a, b, c"; blanks at the ends dropped, empty words left out.
    pure function joined(words) result(text)

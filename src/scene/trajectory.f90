@@ -17,8 +17,8 @@ contains
 
    !> Begin trajectory.csv: the header.
    subroutine open_csv(path, file, error)
-      character(*), intent(in) :: path
-      type(out_file), intent(out) :: file
+      character(*), intent(in) :: path    !! of the file
+      type(out_file), intent(out) :: file !! open from here on
       type(poinsot_error), intent(inout) :: error
       call open_out(path, file, error)
       if (.not. raised(error)) call put(file, csv_header, error)
@@ -26,7 +26,7 @@ contains
 
    !> One frame: a row for each body.
    subroutine write_csv(file, t, bodies, y, q, kinetic, potential, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file      !! open
       real(dp), intent(in) :: t               !! time
       integer(i8), intent(in) :: bodies(:)    !! (n): numbers of the bodies, from 1
       real(dp), intent(in) :: y(:, :)         !! (3, n): angular momenta, body frame as the scene's
@@ -79,8 +79,8 @@ contains
 
    !> Begin trajectory.xyz.
    subroutine open_xyz(path, file, error)
-      character(*), intent(in) :: path
-      type(out_file), intent(out) :: file
+      character(*), intent(in) :: path    !! of the file
+      type(out_file), intent(out) :: file !! open from here on
       type(poinsot_error), intent(inout) :: error
       call open_out(path, file, error)
    end subroutine open_xyz
@@ -88,7 +88,7 @@ contains
    !> One frame of extended XYZ, with the column names OVITO maps by itself: `orientation` is a
    !> quaternion in the order x, y, z, w; `aspherical_shape` the semi-axes of an ellipsoid.
    subroutine write_xyz(file, t, bodies, position, shape, y, q, energy, error)
-      type(out_file), intent(in) :: file
+      type(out_file), intent(in) :: file      !! open
       real(dp), intent(in) :: t               !! time
       integer(i8), intent(in) :: bodies(:)    !! (n): numbers of the bodies, from 1
       real(dp), intent(in) :: position(:, :)  !! (3, n)

@@ -11,7 +11,7 @@ contains
 
    !> Does any group have a frame of its own?
    pure logical function any_turned(scene)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene !! the typed scene
       any_turned = any(scene%bodies%turned)
    end function any_turned
 
@@ -41,7 +41,7 @@ contains
    !> it does not act on that class. Dipoles, which couple classes, are turned as a whole with class
    !> 1.
    subroutine turn_effect(scene, item, class, turned)
-      type(scene_settings), intent(in) :: scene
+      type(scene_settings), intent(in) :: scene     !! the typed scene
       type(effect_setting), intent(in) :: item
       integer, intent(in) :: class                  !! from 1
       type(effect_setting), intent(out) :: turned

@@ -10,7 +10,7 @@ module poinsot_scene_typed_group
       value_null, value_number, value_text
    implicit none(type, external)
    private
-   public :: typed_group, meet, given, number_of, numbers_of, word_of, integer_of, complain
+   public :: typed_group, meet, given, number_of, numbers_of, word_of, integer_of, plain, complain
    public :: largest_list
 
    integer, parameter :: largest_list = 1000000 !! most numbers one key may hold
@@ -46,9 +46,8 @@ contains
          k = find_key(info, group%entries(i)%key)
          if (k == 0) then
             call refuse(error, file, group%entries(i)%line, "&" // group%name // &
-               ": unknown key " // &
-                        quoted(group%entries(i)%key) // "; the nearest known key is """ // &
-                        nearest_key(info, group%entries(i)%key) // """")
+                        ": unknown key " // quoted(group%entries(i)%key) // "; the nearest " // &
+                        "known key is """ // nearest_key(info, group%entries(i)%key) // """")
             return
          end if
          here = 0
@@ -259,14 +258,14 @@ contains
 
    !> Did the user give this key?
    pure logical function given(typed, key)
-      type(typed_group), intent(in) :: typed
-      character(*), intent(in) :: key !! its name
+      type(typed_group), intent(in) :: typed !! keys with their values
+      character(*), intent(in) :: key        !! its name
       given = find_setting(typed, key) > 0
    end function given
 
    !> The numbers of a key, given or default; size 0 if there are none.
    subroutine numbers_of(typed, key, values)
-      type(typed_group), intent(in) :: typed
+      type(typed_group), intent(in) :: typed           !! keys with their values
       character(*), intent(in) :: key                  !! its name
       real(dp), allocatable, intent(out) :: values(:)
       integer :: k
@@ -280,8 +279,8 @@ contains
 
    !> The one number of a key, given or default; 0 if there is none.
    real(dp) function number_of(typed, key) result(value)
-      type(typed_group), intent(in) :: typed
-      character(*), intent(in) :: key !! its name
+      type(typed_group), intent(in) :: typed !! keys with their values
+      character(*), intent(in) :: key        !! its name
       real(dp), allocatable :: values(:)
       call numbers_of(typed, key, values)
       value = 0
@@ -290,8 +289,8 @@ contains
 
    !> The text of a key, given or default.
    function word_of(typed, key) result(text)
-      type(typed_group), intent(in) :: typed
-      character(*), intent(in) :: key !! its name
+      type(typed_group), intent(in) :: typed !! keys with their values
+      character(*), intent(in) :: key        !! its name
       character(:), allocatable :: text
       integer :: k
       k = find_setting(typed, key)
@@ -304,7 +303,7 @@ contains
 
    !> The one number of a key as an integer within bounds. Error: POINSOT_E_SCENE.
    subroutine integer_of(typed, key, least, most, value, error)
-      type(typed_group), intent(in) :: typed
+      type(typed_group), intent(in) :: typed           !! keys with their values
       character(*), intent(in) :: key                  !! its name
       integer(i8), intent(in) :: least, most           !! bounds
       integer(i8), intent(out) :: value
@@ -316,15 +315,24 @@ contains
          value = nint(number, i8)
          if (real(value, dp) == number) return
       end if
-      call complain(typed, key, "= " // text_of(number) // " is not an integer from " // &
+      call complain(typed, key, "= " // plain(number) // " is not an integer from " // &
                     text_of(least) // " to " // text_of(most), error)
    end subroutine integer_of
 
+   !> A number as a user would write it: 9999, not 9999.0.
+   function plain(number) result(text)
+      real(dp), intent(in) :: number
+      character(:), allocatable :: text
+      text = text_of(number)
+      if (abs(number) > 1e9_dp) return
+      if (abs(number - anint(number)) <= 0) text = text_of(nint(number))
+   end function plain
+
    !> Raise POINSOT_E_SCENE naming file, line, group and key.
    subroutine complain(typed, key, message, error)
-      type(typed_group), intent(in) :: typed
-      character(*), intent(in) :: key      !! its name
-      character(*), intent(in) :: message  !! what is wrong and what would be right
+      type(typed_group), intent(in) :: typed !! keys with their values
+      character(*), intent(in) :: key        !! its name
+      character(*), intent(in) :: message    !! what is wrong and what would be right
       type(poinsot_error), intent(inout) :: error
       integer :: k, line
       k = find_setting(typed, key)

@@ -87,8 +87,7 @@ contains
             torques = torques + 1
             if (scheme%needs_gradient .and. .not. one%has_gradient()) then
                call raise(error, poinsot_e_method, "splitting '" // trim(scheme%name) // &
-                  "' needs a force " // &
-                          "gradient, which effect '" // trim(one%name) // &
+                          "' needs a force gradient, which effect '" // trim(one%name) // &
                           "' does not have; srkn4 and srkn6 need none")
                return
             end if

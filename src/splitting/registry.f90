@@ -4,16 +4,12 @@ module poinsot_splitting_registry
    use poinsot_core_status, only: poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: nearest_name
-   use poinsot_splitting_tableaux, only: splitting, scheme_count, scheme_row
+   use poinsot_splitting_tableaux, only: splitting, splitting_names => scheme_names, &
+      scheme_count, scheme_row
    implicit none(type, external)
    private
    public :: splitting_names, splitting_count, splitting_name, find_splitting, splitting_flows, &
       achieved_order
-
-   !> Names of the rows, in their order.
-   character(18), parameter :: splitting_names(scheme_count) = [character(18) :: &
-      "strang", "forest-ruth", "suzuki4", "yoshida6", "mclachlan4", "srkn4", "srkn6", "chin4", &
-      "omelyan4", "omelyan6", "omelyan8", "takahashi-imada"]
 
 contains
 
@@ -37,7 +33,7 @@ contains
    !> name.
    pure subroutine find_splitting(name, scheme, error)
       character(*), intent(in) :: name
-      type(splitting), intent(out) :: scheme
+      type(splitting), intent(out) :: scheme !! its table
       type(poinsot_error), intent(inout) :: error
       character(len(scheme%name)) :: names(scheme_count)
       integer :: i

@@ -46,12 +46,12 @@ contains
    !> not by adding: ten steps at once are ten calls of one step, to the bit. A torque that is fresh
    !> on entry is used: whoever changes the state must clear the flag.
    subroutine run_steps(scheme, system, t, h, first, steps)
-      type(splitting), intent(in) :: scheme
-      class(flows), intent(inout) :: system
-      real(dp), intent(in) :: t           !! time at which step 0 starts
-      real(dp), intent(in) :: h           !! step, any sign
-      integer(i8), intent(in) :: first    !! number of the first step
-      integer(i8), intent(in) :: steps    !! how many
+      type(splitting), intent(in) :: scheme !! its table
+      class(flows), intent(inout) :: system !! what is moved
+      real(dp), intent(in) :: t             !! time at which step 0 starts
+      real(dp), intent(in) :: h             !! step, any sign
+      integer(i8), intent(in) :: first      !! number of the first step
+      integer(i8), intent(in) :: steps      !! how many
       integer(i8) :: k
       do k = first, first + steps - 1
          if (system%has_outer) call system%outer(0.5_dp*h, k, 0)
@@ -64,8 +64,8 @@ contains
    !> From the state to the variables of a processed kernel, before step `first`. Nothing for other
    !> schemes.
    subroutine enter_kernel(scheme, system, t, h, first)
-      type(splitting), intent(in) :: scheme
-      class(flows), intent(inout) :: system
+      type(splitting), intent(in) :: scheme !! its table
+      class(flows), intent(inout) :: system !! what is moved
       real(dp), intent(in) :: t, h
       integer(i8), intent(in) :: first
       system%fresh = .false.
@@ -75,8 +75,8 @@ contains
    !> From the variables of a processed kernel to the state, before step `first`: for output, on a
    !> copy.
    subroutine leave_kernel(scheme, system, t, h, first)
-      type(splitting), intent(in) :: scheme
-      class(flows), intent(inout) :: system
+      type(splitting), intent(in) :: scheme !! its table
+      class(flows), intent(inout) :: system !! what is moved
       real(dp), intent(in) :: t, h
       integer(i8), intent(in) :: first
       system%fresh = .false.

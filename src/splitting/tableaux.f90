@@ -10,7 +10,8 @@ module poinsot_splitting_tableaux
    use poinsot_core_kinds, only: dp, qp
    implicit none(type, external)
    private
-   public :: splitting, operation, scheme_count, scheme_row, free_scheme, turn_composition
+   public :: splitting, operation, scheme_count, scheme_names, scheme_row, free_scheme, &
+      turn_composition
 
    !> One flow of a scheme.
    type :: operation
@@ -35,7 +36,11 @@ module poinsot_splitting_tableaux
       type(operation), allocatable :: leave(:)   !! at output: kernel's variables to state
    end type splitting
 
-   integer, parameter :: scheme_count = 12
+   !> Names of the rows, in their order.
+   character(18), parameter :: scheme_names(*) = [character(18) :: &
+      "strang", "forest-ruth", "suzuki4", "yoshida6", "mclachlan4", "srkn4", "srkn6", "chin4", &
+      "omelyan4", "omelyan6", "omelyan8", "takahashi-imada"]
+   integer, parameter :: scheme_count = size(scheme_names)
 
 contains
 

@@ -9,16 +9,15 @@ module poinsot_study_cost_files
    use poinsot_scene_summary, only: brief_number
    use poinsot_scene_text, only: text_of
    use poinsot_study_candidates, only: label_of
-   use poinsot_study_cost, only: cost_study, cost_request
+   use poinsot_study_cost_data, only: cost_study, cost_request, few
    use poinsot_study_cost_point, only: cost_point, cheapest, middle, worst, of_angle, of_momentum, &
-      of_both
+      of_both, error_of, slope_of
    use poinsot_study_efficient, only: frontier_part, frontier_parts
    use poinsot_study_rivals, only: rival_names, rival_time
+   use poinsot_study_statistics, only: median
    implicit none(type, external)
    private
    public :: write_points, write_members, write_report, write_drift_rows
-
-   integer, parameter :: few = 24   !! so many candidates are all shown
 
    character(*), parameter :: columns = "method,splitting,order,turns,steps,h," // &
       "angle_median,angle_worst,angle_own,momentum_median,momentum_worst,momentum_own," // &
@@ -143,10 +142,8 @@ contains
       do i = 1, size(study%drift)
          associate (r => study%drift(i), one => study%candidates(study%drift(i)%candidate))
             call put(file, trim(one%method) // "," // trim(one%splitting) // "," // &
-               short_text(r%h) // &
-               "," // &
-                     short_text(r%t) // "," // short_text(r%median) // "," // &
-                        short_text(r%worst), error)
+                     short_text(r%h) // "," // short_text(r%t) // "," // short_text(r%median) // &
+                     "," // short_text(r%worst), error)
          end associate
       end do
       call finish_out(file, error)
@@ -161,6 +158,7 @@ contains
       real(dp), intent(in) :: tolerances(:)
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
+      real(dp) :: doubt
       call open_out(path, file, error)
       if (raised(error)) return
       call put(file, "scene         " // scene%name // " to t = " // text_of(study%t_end) // &
@@ -187,6 +185,9 @@ contains
          "energy        is not kept by the scene: its error is the " // &
                                           "distance from the reference, and no long run is made", &
                                              error)
+      doubt = max(median(study%reference%angle), median(study%reference%momentum))
+      if (any(tolerances < doubt)) call put(file, "doubt         errors below " // &
+         brief_number(doubt) // " are within the reference's own", error)
       call put_choices(file, study, tolerances, of_both, error)
       if (size(study%rivals) > 0) call put_rivals(file, study, tolerances, error)
       call put_curves(file, study, error)
@@ -214,22 +215,21 @@ contains
          "cheapest for a tolerance (median over states, the larger of attitude in radians and " // &
                "momentum)", error)
       write (line, "(a9, 2x, a30, a11, 2a10, a12, 2x, a)") "tolerance", "method + splitting", &
-         "step", &
-         "median", "worst", "ns per time", "runner-up (time)"
+         "step", "median", "worst", "ns per time", "runner-up (time)"
       call put(file, trim(line), error)
       do i = 1, size(tolerances)
          best = cheapest(study%points, tolerances(i), what, middle)
          if (best == 0) then
-            call put(file, brief_number(tolerances(i)) // "      none of the candidates", error)
+            write (line, "(a9, 2x, a30)") tolerance_text(tolerances(i)), "none of the candidates"
+            call put(file, trim(line), error)
             cycle
          end if
          next = cheapest(study%points, tolerances(i), what, middle, &
             but=study%points(best)%candidate)
          associate (p => study%points(best))
-            write (line, "(es9.0e2, 2x, a30, es11.3, 2es10.1e2, f12.2)") tolerances(i), &
-               label_of(study%candidates(p%candidate)), p%h, max(p%angle(middle), &
-                  p%momentum(middle)), &
-               max(p%angle(worst), p%momentum(worst)), p%ns/p%h
+            write (line, "(a9, 2x, a30, es11.3, 2es10.1e2, f12.2)") tolerance_text(tolerances(i)), &
+               label_of(study%candidates(p%candidate)), p%h, error_of(p, of_both, middle), &
+               error_of(p, of_both, worst), p%ns/p%h
          end associate
          if (next > 0) then
             call put(file, trim(line) // "  " // &
@@ -258,7 +258,7 @@ contains
          error)
       line = "tolerance"
       do i = 1, size(tolerances)
-         write (line(24 + 12*i:), "(es12.0e2)") tolerances(i)
+         write (line(24 + 12*i:), "(a12)") tolerance_text(tolerances(i))
       end do
       call put(file, trim(line), error)
       do k = 1, size(names)
@@ -273,6 +273,17 @@ contains
          call put(file, trim(line), error)
       end do
    end subroutine put_rivals
+
+   !> "1e-03", "2.5e-07".
+   pure function tolerance_text(tol) result(text)
+      real(dp), intent(in) :: tol
+      character(:), allocatable :: text
+      character(9) :: buffer
+      write (buffer, "(es8.1e2)") tol
+      text = trim(adjustl(buffer))
+      if (text(2:3) == ".0") text = text(:1) // text(4:)
+      text = text(:index(text, "E") - 1) // "e" // text(index(text, "E") + 1:)
+   end function tolerance_text
 
    !> The best that each candidate reaches.
    subroutine put_curves(file, study, error)
@@ -291,8 +302,7 @@ contains
          "order, slope shown, least median errors; ns of a body-step in an ensemble, their " // &
                "spread, and of a body alone", error)
       write (line, "(a30, 2a6, 3a10, a10, a9, a12)") "method + splitting", "order", "slope", &
-         "attitude", &
-         "momentum", "energy", "ns", "spread", "ns alone"
+         "attitude", "momentum", "energy", "ns", "spread", "ns alone"
       call put(file, trim(line), error)
       call frontier_parts(study%points, size(study%candidates), of_both, parts)
       do i = 1, size(study%candidates)
@@ -304,46 +314,23 @@ contains
             associate (p => study%points(k))
                if (p%candidate /= i .or. .not. p%good) cycle
                least = min(least, [p%angle(middle), p%momentum(middle), p%energy(middle)])
-               points = k
+               if (points == 0 .or. p%ns > 0) points = k
             end associate
          end do
          if (points == 0) then
             write (line, "(a30, i6, a)") label_of(study%candidates(i)), study%candidates(i)%order, &
                "  no step was short enough"
          else
-            call slope_of(study, i, slope)
+            slope = slope_of(study%points, i)
             associate (p => study%points(points))
-               write (line, &
-                  "(a30, i6, f6.1, 3es10.1e2, f10.2, i7, a2, f12.1)") &
-                  label_of(study%candidates(i)), &
-                  study%candidates(i)%order, slope, least, p%ns, nint(100*p%ns_spread), " %", &
-                     p%single
+               write (line, "(a30, i6, f6.1, 3es10.1e2, f10.2, i7, a2, f12.1)") &
+                  label_of(study%candidates(i)), study%candidates(i)%order, slope, least, p%ns, &
+                  nint(100*p%ns_spread), " %", p%single
             end associate
+            if (.not. slope > 0) line(37:42) = "     -"
          end if
          call put(file, trim(line), error)
       end do
    end subroutine put_curves
-
-   !> Slope of the median attitude error between the two finest points clear of rounding.
-   subroutine slope_of(study, candidate, slope)
-      type(cost_study), intent(in) :: study
-      integer, intent(in) :: candidate
-      real(dp), intent(out) :: slope
-      integer :: k, before, last
-      slope = 0
-      before = 0
-      last = 0
-      do k = 1, size(study%points)
-         associate (p => study%points(k))
-            if (p%candidate /= candidate .or. .not. p%good) cycle
-            if (p%angle(middle) > 0.03_dp .or. p%angle(middle) < 1e-13_dp) cycle
-            before = last
-            last = k
-         end associate
-      end do
-      if (before == 0) return
-      slope = log(study%points(before)%angle(middle)/study%points(last)%angle(middle))/ &
-              log(study%points(before)%h/study%points(last)%h)
-   end subroutine slope_of
 
 end module poinsot_study_cost_files

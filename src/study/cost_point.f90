@@ -6,12 +6,14 @@ module poinsot_study_cost_point
    implicit none(type, external)
    private
    public :: cost_point, digest, frontier, cheapest, add_point, all_states, middle, worst, own
-   public :: of_angle, of_momentum, of_both, error_of
+   public :: of_angle, of_momentum, of_both, error_of, slope_of
 
-   integer, parameter :: middle = 1, worst = 2, own = 3 !! over all initial states; of the scene's
-      !! own
+   !> Median and worst over all initial states, worst of the scene's own.
+   integer, parameter :: middle = 1, worst = 2, own = 3
    integer, parameter :: all_states = 3
    integer, parameter :: of_angle = 1, of_momentum = 2, of_both = 3 !! the larger of the two
+
+   real(dp), parameter :: coarse = 0.03_dp, near_rounding = 2e-13_dp !! no slope beyond these
 
    !> What was measured.
    type :: cost_point
@@ -53,7 +55,7 @@ contains
    end function three
 
    !> The error that counts.
-   pure real(dp) function error_of(point, what, which) result(error)
+   elemental real(dp) function error_of(point, what, which) result(error)
       type(cost_point), intent(in) :: point
       integer, intent(in) :: what      !! of_angle, of_momentum, of_both
       integer, intent(in) :: which     !! middle, worst, own
@@ -86,9 +88,8 @@ contains
       end do
       do i = 1, size(points)
          points(i)%front(what) = points(i)%good .and. points(i)%ns > 0 .and. .not. &
-                                 any(points%good .and. points%ns > 0 .and. time <= time(i) .and. &
-                                    off <= off(i) &
-                                     .and. (time < time(i) .or. off < off(i)))
+            any(points%good .and. points%ns > 0 .and. time <= time(i) .and. off <= off(i) .and. &
+                (time < time(i) .or. off < off(i)))
       end do
    end subroutine frontier
 
@@ -113,6 +114,28 @@ contains
          best = i
       end do
    end function cheapest
+
+   !> Slope of a candidate's median attitude error between its two finest points clear of rounding;
+   !> 0 if there are no two.
+   pure real(dp) function slope_of(points, candidate) result(slope)
+      type(cost_point), intent(in) :: points(:)
+      integer, intent(in) :: candidate
+      integer :: i, before, last
+      slope = 0
+      before = 0
+      last = 0
+      do i = 1, size(points)
+         associate (p => points(i))
+            if (p%candidate /= candidate .or. .not. p%good) cycle
+            if (p%angle(middle) > coarse .or. p%angle(middle) < near_rounding) cycle
+            before = last
+            last = i
+         end associate
+      end do
+      if (before == 0) return
+      slope = log(points(before)%angle(middle)/points(last)%angle(middle))/ &
+              log(points(before)%h/points(last)%h)
+   end function slope_of
 
    !> One more point.
    subroutine add_point(points, n, one)

@@ -3,24 +3,39 @@ module poinsot_study_labels
    use poinsot_core_kinds, only: dp
    implicit none(type, external)
    private
-   public :: label_list, axis, place_label, place_along, take_point, fraction_of
+   public :: label_list, label_place, axis, place_label, take_curve, fraction_of
 
-   integer, parameter :: most = 400
-   real(dp), parameter :: letter = 0.0112_dp, line_height = 0.030_dp
+   integer, parameter :: most = 200
+   real(dp), parameter :: line_height = 0.031_dp
+   real(dp), parameter :: wide = 1.6_dp        !! width of a picture over its height
+   real(dp), parameter :: sample = 0.012_dp    !! distance of the points that stand for a curve
+   real(dp), parameter :: led_from = 0.045_dp  !! names farther than this get a line to their curve
+   real(dp), parameter :: outside = 1000, on_name = 300, on_curve = 3, astray = 8
+   real(dp), parameter :: margin = 0.006_dp    !! between a name and a curve
 
    !> A logarithmic axis from one end of the picture to the other.
    type :: axis
       real(dp) :: from = 1, to = 10
    end type axis
 
-   !> What is taken already: boxes of labels, and points of curves.
+   !> What is taken already: boxes of names, and points of curves.
    type :: label_list
+      real(dp) :: letter = 0.0108_dp   !! width of one
       integer :: boxes = 0
       real(dp) :: box(4, most) = 0     !! left, right, bottom, top
       integer :: points = 0
-      real(dp) :: point(2, 40*most) = 0
-      integer :: curve = 0             !! that the last point belongs to
+      real(dp), allocatable :: point(:, :)
+      integer, allocatable :: owner(:)
    end type label_list
+
+   !> Where a name goes.
+   type :: label_place
+      real(dp) :: x = 0, y = 0         !! left, middle or right end of the text, as `side` says
+      integer :: side = 1              !! of its point: 1 right, 0 above or below, -1 left
+      real(dp) :: price = huge(1.0_dp) !! from 300: it lies on another
+      logical :: led = .false.      !! far from its curve: a thin line leads there,
+      real(dp) :: line(4) = 0          !! from (x, y) to (x, y)
+   end type label_place
 
 contains
 
@@ -31,90 +46,182 @@ contains
       part = log(max(value, 1e-300_dp)/scale%from)/log(scale%to/scale%from)
    end function fraction_of
 
-   !> A point of a curve, and the line to it from the one before.
-   pure subroutine take_point(list, x, y, curve)
+   !> A curve that names should not lie on.
+   subroutine take_curve(list, x, y, curve)
       type(label_list), intent(inout) :: list
-      real(dp), intent(in) :: x, y              !! fractions of the picture
-      integer, intent(in), optional :: curve    !! not 0; absent: no line
-      real(dp) :: from(2)
-      integer :: i, parts
-      parts = 1
-      from = 0
-      if (present(curve)) then
-         if (curve == list%curve .and. list%points > 0) then
-            parts = 12
-            from = list%point(:, list%points)
-         end if
-         list%curve = curve
-      end if
-      do i = 1, parts
-         if (list%points == size(list%point, 2)) return
-         list%points = list%points + 1
-         list%point(:, list%points) = from + ([x, y] - from)*real(i, dp)/parts
+      real(dp), intent(in) :: x(:), y(:)        !! fractions of the picture
+      integer, intent(in) :: curve              !! its number, to tell it from others
+      real(dp) :: from(2), to(2)
+      integer :: i, k, parts
+      do i = 1, size(x)
+         to = [x(i), y(i)]
+         if (i == 1) from = to
+         parts = min(100, 1 + int(hypot(wide*(to(1) - from(1)), to(2) - from(2))/sample))
+         do k = 1, parts
+            call take_point(list, from + (to - from)*real(k, dp)/parts, curve)
+         end do
+         from = to
       end do
+   end subroutine take_curve
+
+   subroutine take_point(list, point, curve)
+      type(label_list), intent(inout) :: list
+      real(dp), intent(in) :: point(2)
+      integer, intent(in) :: curve
+      real(dp), allocatable :: points(:, :)
+      integer, allocatable :: owners(:)
+      if (any(point < 0) .or. any(point > 1)) return
+      if (.not. allocated(list%point)) allocate (list%point(2, 1024), list%owner(1024))
+      if (list%points == size(list%owner)) then
+         allocate (points(2, 2*list%points), owners(2*list%points))
+         points(:, :list%points) = list%point
+         owners(:list%points) = list%owner
+         call move_alloc(points, list%point)
+         call move_alloc(owners, list%owner)
+      end if
+      list%points = list%points + 1
+      list%point(:, list%points) = point
+      list%owner(list%points) = curve
    end subroutine take_point
 
-   !> A place near (x, y) for a text, its left middle.
-   pure subroutine place_label(list, x, y, length, at_x, at_y)
-      type(label_list), intent(inout) :: list
-      real(dp), intent(in) :: x, y            !! fractions of the picture
-      integer, intent(in) :: length           !! letters
-      real(dp), intent(out) :: at_x, at_y
-      call place_along(list, [x], [y], length, at_x, at_y)
-   end subroutine place_label
-
-   !> A place for the name of a curve, near one of its points: of all places around all of them the
-   !> one that touches no other label and the fewest curves.
-   pure subroutine place_along(list, x, y, length, at_x, at_y)
+   !> A place for the name of a curve near one of the points given: of all places around all of them
+   !> the one that touches no other name, the fewest curves, and lies nearest to its own. Taken, if
+   !> its price is at most `limit`.
+   subroutine place_label(list, x, y, length, curve, place, limit)
       type(label_list), intent(inout) :: list
       real(dp), intent(in) :: x(:), y(:)      !! fractions of the picture
       integer, intent(in) :: length           !! letters
-      real(dp), intent(out) :: at_x, at_y     !! of the text's left middle
-      real(dp), parameter :: ring(2, 12) = reshape([0.012_dp, -0.03_dp, 0.015_dp, 0.0_dp, &
-         0.012_dp, 0.03_dp, -1.012_dp, 0.03_dp, -1.015_dp, 0.0_dp, -1.012_dp, -0.03_dp, &
-         -0.5_dp, -0.045_dp, -0.5_dp, 0.045_dp, 0.02_dp, -0.055_dp, 0.02_dp, 0.055_dp, &
-         -1.02_dp, -0.055_dp, -1.02_dp, 0.055_dp], [2, 12])
-      real(dp) :: width, left, bottom, price, least
-      integer :: i, k
-      width = letter*length
-      least = huge(least)
-      at_x = 0
-      at_y = 0
-      do k = 1, size(x)
-         do i = 1, size(ring, 2)
-            left = x(k) + ring(1, i)
-            if (ring(1, i) < -0.9_dp) left = x(k) + (ring(1, i) + 1) - width
-            if (abs(ring(1, i) + 0.5_dp) < 0.01_dp) left = x(k) - 0.5_dp*width
-            bottom = y(k) + ring(2, i) - 0.5_dp*line_height
-            price = penalty(list, left, left + width, bottom, bottom + line_height) + 0.5_dp*i
-            if (price >= least) cycle
-            least = price
-            at_x = left
-            at_y = bottom + 0.5_dp*line_height
+      integer, intent(in) :: curve
+      type(label_place), intent(out) :: place
+      real(dp), intent(in), optional :: limit
+      real(dp) :: width, at(2), last(2)
+      integer :: i
+      width = list%letter*length
+      do i = 1, size(x)
+         at = [x(i), y(i)]
+         if (i == 1) last = at
+         call try_point(list, at, width, curve, place)
+         call try_point(list, 0.5_dp*(at + last), width, curve, place)
+         last = at
+      end do
+      if (present(limit)) then
+         if (place%price > limit) return
+      end if
+      if (list%boxes == most .or. .not. place%price < huge(1.0_dp)) return
+      list%boxes = list%boxes + 1
+      list%box(:, list%boxes) = box_of(place%x - 0.5_dp*(1 - place%side)*width, place%y, width)
+   end subroutine place_label
+
+   pure function box_of(x, y, width) result(box)
+      real(dp), intent(in) :: x, y, width
+      real(dp) :: box(4)
+      box = [x, x + width, y - 0.5_dp*line_height, y + 0.5_dp*line_height]
+   end function box_of
+
+   !> All places around a point that is in the picture.
+   pure subroutine try_point(list, at, width, curve, place)
+      type(label_list), intent(in) :: list
+      real(dp), intent(in) :: at(2), width
+      integer, intent(in) :: curve
+      type(label_place), intent(inout) :: place
+      integer :: side, ring
+      if (any(at < 0) .or. any(at > 1)) return
+      do ring = 0, 3
+         do side = 1, 8
+            call try_place(list, at, width, curve, side, ring, place)
          end do
       end do
-      if (list%boxes == most) return
-      list%boxes = list%boxes + 1
-      list%box(:, list%boxes) = [at_x, at_x + width, at_y - 0.5_dp*line_height, at_y + &
-         0.5_dp*line_height]
-   end subroutine place_along
+   end subroutine try_point
 
-   !> How bad a box is.
-   pure real(dp) function penalty(list, left, right, bottom, top)
+   !> One place: on one of eight sides of a point, near or farther; kept if it is better.
+   pure subroutine try_place(list, at, width, curve, side, ring, place)
       type(label_list), intent(in) :: list
-      real(dp), intent(in) :: left, right, bottom, top
+      real(dp), intent(in) :: at(2), width
+      integer, intent(in) :: curve, side, ring
+      type(label_place), intent(inout) :: place
+      !> right below, right, right above, left above, left, left below, below, above
+      real(dp), parameter :: aside(8) = [1, 1, 1, -1, -1, -1, 0, 0]
+      real(dp), parameter :: above(8) = [-1, 0, 1, 1, 0, -1, -1, 1]
+      real(dp) :: box(4), x, y, price, touch(2)
+      x = at(1) + aside(side)*(merge(0.012_dp, 0.016_dp, abs(above(side)) > 0) + 0.012_dp*ring)
+      if (aside(side) < 0) x = x - width
+      if (abs(aside(side)) < 0.5_dp) x = x - 0.5_dp*width
+      y = at(2) + above(side)*(merge(0.024_dp, 0.034_dp, abs(aside(side)) > 0.5_dp) + 0.032_dp*ring)
+      if (ring > 0 .and. abs(above(side)) < 0.5_dp) return
+      box = box_of(x, y, width)
+      price = 0.15_dp*side + 2.5_dp*ring
+      if (box(1) < 0.004_dp .or. box(2) > 1.01_dp .or. box(3) < 0.004_dp .or. box(4) > 1) then
+         price = price + outside
+      end if
+      price = price + on_names(list, box)
+      if (price >= place%price) return
+      price = price + on_curves(list, box, curve)
+      touch = [min(max(at(1), box(1)), box(2)), min(max(at(2), box(3)), box(4))]
+      if (ring > 0) price = price + crossings(list, at, touch)
+      if (price >= place%price) return
+      place%side = nint(aside(side))
+      place%x = x + 0.5_dp*(1 - place%side)*width
+      place%y = y
+      place%price = price
+      place%led = hypot(wide*(touch(1) - at(1)), touch(2) - at(2)) > led_from
+      place%line = [touch, at]
+   end subroutine try_place
+
+   !> Names under a box.
+   pure real(dp) function on_names(list, box) result(price)
+      type(label_list), intent(in) :: list
+      real(dp), intent(in) :: box(4)
       integer :: i
-      penalty = 0
-      if (left < 0.005_dp .or. right > 1.005_dp .or. bottom < 0 .or. top > 1) penalty = 1000
+      price = 0
       do i = 1, list%boxes
-         if (right < list%box(1, i) .or. left > list%box(2, i)) cycle
-         if (top < list%box(3, i) .or. bottom > list%box(4, i)) cycle
-         penalty = penalty + 300
+         if (box(2) < list%box(1, i) .or. box(1) > list%box(2, i)) cycle
+         if (box(4) < list%box(3, i) .or. box(3) > list%box(4, i)) cycle
+         price = price + on_name
       end do
+   end function on_names
+
+   !> Curves under a box, and others nearer to it than its own.
+   pure real(dp) function on_curves(list, box, curve) result(price)
+      type(label_list), intent(in) :: list
+      real(dp), intent(in) :: box(4)
+      integer, intent(in) :: curve
+      real(dp) :: away, own, other
+      integer :: i
+      price = 0
+      own = 1
+      other = 1
       do i = 1, list%points
-         if (list%point(1, i) > left .and. list%point(1, i) < right .and. &
-             list%point(2, i) > bottom .and. list%point(2, i) < top) penalty = penalty + 1.2_dp
+         associate (p => list%point(:, i))
+            away = hypot(wide*max(0.0_dp, box(1) - p(1), p(1) - box(2)), &
+                         max(0.0_dp, box(3) - p(2), p(2) - box(4)))
+         end associate
+         if (away < margin) price = price + on_curve
+         if (list%owner(i) == curve) own = min(own, away)
+         if (list%owner(i) /= curve) other = min(other, away)
       end do
-   end function penalty
+      own = own + margin
+      if (other < own) price = price + astray*min(1.0_dp, (own - other)/(5*margin))
+   end function on_curves
+
+   !> Names and curves that a line to the curve would cross; it ends on one.
+   pure real(dp) function crossings(list, from, to) result(price)
+      type(label_list), intent(in) :: list
+      real(dp), intent(in) :: from(2), to(2)
+      real(dp) :: at(2)
+      integer :: i, k
+      price = 0
+      do k = 2, 8
+         at = from + (to - from)*k/8.0_dp
+         do i = 1, list%boxes
+            if (at(1) > list%box(1, i) .and. at(1) < list%box(2, i) .and. &
+                at(2) > list%box(3, i) .and. at(2) < list%box(4, i)) price = price + on_name
+         end do
+         do i = 1, list%points
+            associate (p => list%point(:, i))
+               if (hypot(wide*(at(1) - p(1)), at(2) - p(2)) < 0.5_dp*sample) price = price + 0.5_dp
+            end associate
+         end do
+      end do
+   end function crossings
 
 end module poinsot_study_labels

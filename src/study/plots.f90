@@ -34,7 +34,7 @@ contains
          "set encoding utf8", &
          "do for [kind in 'svg pngcairo'] {", &
          "if (strstrt(GPVAL_TERMINALS, kind) == 0) { continue }", &
-         "unset label", &
+         "unset label; unset arrow; unset object", &
          "if (kind eq 'svg') {"], error)
       call put(file, "set terminal svg size " // text_of(width) // "," // text_of(height) // &
                " dynamic background '#ffffff' font 'DejaVu Sans,12'", error)

@@ -26,6 +26,8 @@ module poinsot_study_reference
    integer, parameter :: columns = 5            !! of the extrapolation table
    integer(i8), parameter :: first_steps = 32, most_steps = 2_i8**26
 
+   real(dp), parameter :: both_good = 1e-12_dp  !! two solutions so near differ by rounding
+
    !> A solution, what it is, and how good.
    type :: reference_solution
       type(end_state) :: state
@@ -79,13 +81,12 @@ contains
       reference%momentum = 0
       !$omp parallel do schedule(dynamic, 4) private(y, q)
       do i = 1, members%n
-         call turn_freely(scene%bodies(members%group(i))%moments, members%y(:, i), members%q(:, &
-            i), &
-                          t_end, reference%state%y(:, i), reference%state%q(:, i))
-         if (i > 4) cycle
-         call turn_freely(scene%bodies(members%group(i))%moments, members%y(:, i), members%q(:, &
-            i), &
-                          t_end, y, q, 2)
+         associate (moments => scene%bodies(members%group(i))%moments)
+            call turn_freely(moments, members%y(:, i), members%q(:, i), t_end, &
+                             reference%state%y(:, i), reference%state%q(:, i))
+            if (i > 4) cycle
+            call turn_freely(moments, members%y(:, i), members%q(:, i), t_end, y, q, 2)
+         end associate
          reference%angle(i) = real(2*norm2(q - reference%state%q(:, i)), dp)
          reference%momentum(i) = real(norm2((y - reference%state%y(:, i))/max(norm2(y), tiny(y))), &
             dp)
@@ -132,6 +133,9 @@ contains
                                            second, steps(2), change(2), error)
       if (raised(error)) return
       call compare_states(second%y, second%q, reference%state, reference%angle, reference%momentum)
+      if (max(maxval(reference%angle), maxval(reference%momentum)) < both_good) then
+         call take_middle(second, reference%state)
+      end if
       reference%how = label_of(best) // ", " // text_of(steps(1)) // " steps"
       if (kind%limit > 0) reference%how = reference%how // " at the finest, extrapolated"
       reference%how = reference%how // "; " // label_of(other) // ", " // &
@@ -139,6 +143,21 @@ contains
                       brief_number(maxval(reference%momentum)) // " in momentum, " // &
                       brief_number(maxval(reference%angle)) // " in attitude"
    end subroutine solve_forced
+
+   !> Where the two differ by rounding alone, the middle between them is nearer than either, and no
+   !> candidate's run is the reference itself.
+   pure subroutine take_middle(second, state)
+      type(end_state), intent(in) :: second
+      type(end_state), intent(inout) :: state
+      integer :: i
+      state%y = 0.5_qp*(state%y + second%y)
+      do i = 1, size(state%q, 2)
+         associate (q => state%q(:, i), p => second%q(:, i))
+            q = q + sign(1.0_qp, dot_product(q, p))*p
+            q = q/norm2(q)
+         end associate
+      end do
+   end subroutine take_middle
 
    !> The scheme of the highest order, the cheapest of those; and the same among the others.
    subroutine two_best(list, best, other)

@@ -16,52 +16,53 @@ module poinsot_study_repeat_celledoni
    use poinsot_scene_watch, only: run_watch
    use poinsot_study_candidates, only: any_name
    use poinsot_study_choose, only: choose_request, choice, choose_method
-   use poinsot_study_plots, only: put_terminals, strong_colour, strong_point
+   use poinsot_study_cost_curves, only: put_name
+   use poinsot_study_labels, only: label_list, axis, take_curve, fraction_of
+   use poinsot_study_plots, only: put_terminals, strong_colour, strong_point, nice_above
    implicit none(type, external)
    private
    public :: repeat_celledoni
 
    character(20), parameter :: rotors(7) = [character(20) :: "exact", "dmv2", "dmv4", "dmv6", &
-      "dmv8", &
-                                            "three-rotations", "symmetric-rotation"]
+      "dmv8", "three-rotations", "symmetric-rotation"]
    real(dp), parameter :: weights(7) = [1e-4_dp, 1e-3_dp, 1e-2_dp, 3e-2_dp, 0.1_dp, 0.3_dp, 1.0_dp]
-   real(dp), parameter :: lifts(7) = [1.0_dp, 0.87_dp, 1.15_dp, 1.0_dp, 1.0_dp, 1.15_dp, 0.87_dp]
    real(dp), parameter :: tol = 1e-6_dp
 
 contains
 
-   !> Measure, write celledoni.csv and its picture into a folder that is there; it takes about
-   !> `budget` seconds. Error: POINSOT_E_IO.
-   subroutine repeat_celledoni(out, budget, watch, error)
+   !> Measure, write celledoni.csv, .txt and the picture's script into a folder that is there; it
+   !> takes at most about `budget` seconds. Error: POINSOT_E_IO.
+   subroutine repeat_celledoni(out, budget, watch, error, fewer)
       character(*), intent(in) :: out
       real(dp), intent(in) :: budget
       class(run_watch), intent(inout) :: watch
       type(poinsot_error), intent(inout) :: error
-      type(out_file) :: file
-      type(choice) :: answer
+      integer, intent(in), optional :: fewer   !! rotors and weights, instead of all
+      type(choice) :: found(size(weights), size(rotors))
       type(choose_request) :: request
       type(poinsot_error) :: refused
       type(scene_settings) :: scene
-      integer :: i, m
-      call open_out(out // "/celledoni.csv", file, error)
-      call put(file, "ratio,rotor,splitting,h,error,ns_per_step,ns_per_time", error)
+      integer :: i, m, most
+      most = size(weights)
+      if (present(fewer)) most = min(fewer, most)
       request%tol = tol
       request%budget = budget/(size(rotors)*size(weights))
       request%splittings = any_name
-      do m = 1, size(rotors)
-         do i = 1, size(weights)
+      do m = 1, min(most, size(rotors))
+         do i = 1, most
             call make_top(weights(i), scene, error)
             if (raised(error) .or. watch%stop_now()) exit
             request%methods = [character(24) :: rotors(m)]
             refused = poinsot_error()
-            call choose_method(scene, request, watch, answer, refused)
+            call choose_method(scene, request, watch, found(i, m), refused)
             if (refused%code == poinsot_e_convergence) cycle ! too slow: no point in the picture
             if (raised(refused)) error = refused
-            if (.not. raised(error)) call put_row(file, weights(i), answer, error)
+            call watch%tell(real(i + (m - 1)*most, dp), real(most**2, dp))
          end do
       end do
-      call finish_out(file, error)
-      if (.not. raised(error)) call write_plot(out, error)
+      if (.not. raised(error)) call write_table(out, found, error)
+      if (.not. raised(error)) call write_words(out, found, error)
+      if (.not. raised(error)) call write_plot(out, found, error)
    end subroutine repeat_celledoni
 
    !> A top of kinetic energy about 0.75 that turns ten times, under a weight; an ensemble, so that
@@ -74,77 +75,155 @@ contains
       character(*), parameter :: break = new_line("a")
       call scan_source("&scene t_end = 40, h = 0.1 /" // break // &
                        "&bodies moments = 0.5, 0.7, 1.0, count = 96, random = 'thermal', " // &
-                       "temperature = 0.5 /" // &
-                       break // "&gravity centre = 0, 0, 1, weight = " // text_of(weight) // &
-                          " /" // break, &
+                       "temperature = 0.5 /" // break // &
+                       "&gravity centre = 0, 0, 1, weight = " // text_of(weight) // " /" // break, &
                        "top", source, error)
       if (.not. raised(error)) call build_scene(source, scene, error)
    end subroutine make_top
 
-   !> The ratio is that of the mean kinetic energy, 3/2 kT, to half the range of the potential.
-   subroutine put_row(file, weight, answer, error)
-      type(out_file), intent(in) :: file
-      real(dp), intent(in) :: weight
-      type(choice), intent(in) :: answer
-      type(poinsot_error), intent(inout) :: error
-      character(160) :: line
-      associate (b => answer%best)
-         write (line, "(es10.3, ',', a, ',', a, 4(',', es11.4e3))") 0.75_dp/weight, &
-            trim(b%way%method), &
-            trim(b%way%splitting), b%h, b%error, b%ns, b%ns/b%h
-      end associate
-      call put(file, trim(line), error)
-   end subroutine put_row
-
-   !> Time with each rotor over time with the exact one.
-   subroutine write_plot(out, error)
+   !> celledoni.csv.
+   subroutine write_table(out, found, error)
       character(*), intent(in) :: out
+      type(choice), intent(in) :: found(:, :)
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
-      character(:), allocatable :: line, rows
-      integer :: m
+      character(160) :: line
+      integer :: i, m
+      call open_out(out // "/celledoni.csv", file, error)
+      call put(file, "ratio,rotor,splitting,h,error,ns_per_step,ns_per_time,over_exact", error)
+      do m = 1, size(rotors)
+         do i = 1, size(weights)
+            associate (b => found(i, m)%best)
+               if (.not. b%h > 0) cycle
+               write (line, "(es10.3, ',', a, ',', a, 5(',', es11.4e3))") energies(weights(i)), &
+                  trim(b%way%method), trim(b%way%splitting), b%h, b%error, b%ns, b%ns/b%h, &
+                  over_exact(found, i, m)
+               call put(file, trim(line), error)
+            end associate
+         end do
+      end do
+      call finish_out(file, error)
+   end subroutine write_table
+
+   !> The mean kinetic energy, 3/2 kT, over half the range of the potential.
+   elemental real(dp) function energies(weight)
+      real(dp), intent(in) :: weight
+      energies = 0.75_dp/weight
+   end function energies
+
+   !> Time with a rotor over time with the exact one; 0 if either did not come through.
+   pure real(dp) function over_exact(found, i, m)
+      type(choice), intent(in) :: found(:, :)
+      integer, intent(in) :: i, m
+      over_exact = 0
+      associate (mine => found(i, m)%best, exact => found(i, 1)%best)
+         if (mine%h > 0 .and. exact%h > 0) over_exact = (mine%ns/mine%h)/(exact%ns/exact%h)
+      end associate
+   end function over_exact
+
+   !> What the exact rotor gains, weakest torque first.
+   subroutine write_words(out, found, error)
+      character(*), intent(in) :: out
+      type(choice), intent(in) :: found(:, :)
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      character(120) :: line
+      integer :: i, m
+      call open_out(out // "/celledoni.txt", file, error)
+      call put(file, "a top turned ten times at an error of 1e-6: time with a rotor over time " // &
+               "with exact, each", error)
+      call put(file, "with its own best splitting and step, for kinetic energy over energy of " // &
+               "the torque", error)
+      write (line, "(23x, 7f9.2)") energies(weights)
+      call put(file, trim(line), error)
+      do m = 1, size(rotors)
+         line = "   " // rotors(m)
+         do i = 1, size(weights)
+            line(15 + 9*i:23 + 9*i) = "        -"
+            if (over_exact(found, i, m) > 0) write (line(15 + 9*i:23 + 9*i), "(f9.2)") &
+               over_exact(found, i, m)
+         end do
+         call put(file, trim(line), error)
+      end do
+      line = "   splitting with exact"
+      do i = 1, size(weights)
+         associate (best => found(i, 1)%best)
+            if (best%h > 0) line = trim(line) // " " // trim(best%way%splitting)
+         end associate
+      end do
+      call put(file, trim(line), error)
+      call finish_out(file, error)
+   end subroutine write_words
+
+   !> Time with each rotor over time with the exact one.
+   subroutine write_plot(out, found, error)
+      character(*), intent(in) :: out
+      type(choice), intent(in) :: found(:, :)
+      type(poinsot_error), intent(inout) :: error
+      type(out_file) :: file
+      type(axis) :: x, y
+      real(dp) :: most
+      integer :: i, m
+      most = 2
+      do m = 1, size(rotors)
+         do i = 1, size(weights)
+            most = max(most, over_exact(found, i, m))
+         end do
+      end do
+      x = axis(0.5_dp*minval(energies(weights)), 20*maxval(energies(weights))) ! room for names
+      y = axis(0.6_dp, nice_above(1.2_dp*most))
       call open_out(out // "/plot_celledoni.gp", file, error)
       if (raised(error)) return
       call put_terminals(file, "celledoni", 820, 500, error)
       call put_lines(file, [character(120) :: "file = 'celledoni.csv'", &
          "set logscale xy; set format x '10^{%T}'; set format y '%g'", &
          "set border 3; set tics nomirror out; unset key; set grid lc rgb '#ececec' lt 1 lw 0.7", &
-         "set xrange [0.4:2e5]; set yrange [0.6:*]; set tmargin 3; set rmargin 3", &
+         "set tmargin 3; set rmargin 3", &
          "set ytics (0.7, 1, 2, 5, 10, 20, 50, 100, 200, 500)", &
-         "set xlabel 'kinetic energy over that of the torque'", &
-         "set ylabel 'time with another rotor over time with exact, error 1e-6'", &
+         "set xlabel 'kinetic energy over energy of the torque'", &
+         "set ylabel 'time over that with exact, error 1e-6'", &
          "set label 'when the exact rotor pays inside a splitting' at graph 0, graph 1.06 " // &
          "font ',14'", &
          "set label 'slow body, strong torque' at graph 0.01, graph 0.03 " // &
-         "tc rgb '#707070' font ',10'", &
+         "tc rgb '#606060' font ',10'", &
          "set label 'fast spin, weak torque' at graph 0.99, graph 0.03 right " // &
-         "tc rgb '#707070' font ',10'", &
-         "array base[20]; array place[20]; n = 0", &
-         "do for [k=1:20] { place[k] = 0.0; base[k] = NaN }", &
-         "stats file skip 1 using (stringcolumn(2) eq 'exact' ? " // &
-         "(n = n + 1, place[n] = $1, base[n] = $7, 1) " // &
-         ": NaN) nooutput", &
-         "exact(r) = (found = NaN, sum [k=1:20] (abs(place[k]/r - 1) < 1e-3 ? " // &
-         "(found = base[k], 0) : 0), found)"], error)
+         "tc rgb '#606060' font ',10'", &
+         "set label '1: exact' at graph 0.99, first 1.13 right tc rgb '#606060' font ',10'"], error)
+      call put(file, "set xrange [" // text_of(x%from) // ":" // text_of(x%to) // &
+               "]; set yrange [" // text_of(y%from) // ":" // text_of(y%to) // "]", error)
+      call name_curves(file, found, x, y, error)
+      call put(file, "plot 1 with lines lw 3 lc rgb '#c8c8c8', \", error)
       do m = 2, size(rotors)
-         rows = "stringcolumn(2) eq '" // trim(rotors(m)) // "'"
-         call put(file, "best = 0; stats file skip 1 using (" // rows // " && $1 > best ? " // &
-                  "(best = $1, last_y = $7/exact($1), 1) : NaN) nooutput", error)
-         call put(file, "set label '" // trim(rotors(m)) // "' at best*1.3, last_y*" // &
-                  text_of(lifts(m)) // " tc rgb '" // &
-                  strong_colour(m) // "' font ',10' front", error)
-      end do
-      line = "plot 1 with lines lw 3 lc rgb '#c8c8c8', "
-      do m = 2, size(rotors)
-         call put(file, line // "file skip 1 using (stringcolumn(2) eq '" // trim(rotors(m)) // &
-                  "' ? $1 : NaN):($7/exact($1)) with linespoints pt " // &
-                     text_of(strong_point(m)) // &
+         call put(file, "   file skip 1 using (stringcolumn(2) eq '" // trim(rotors(m)) // &
+                  "' && $8 > 0 ? $1 : NaN):8 with linespoints pt " // text_of(strong_point(m)) // &
                   " ps 0.8 lw 1.6 lc rgb '" // strong_colour(m) // "', \", error)
-         line = "   "
       end do
       call put(file, "   NaN notitle", error)
       call put_end(file, error)
       call finish_out(file, error)
    end subroutine write_plot
+
+   !> Names at the right ends of the curves.
+   subroutine name_curves(file, found, x, y, error)
+      type(out_file), intent(in) :: file
+      type(choice), intent(in) :: found(:, :)
+      type(axis), intent(in) :: x, y
+      type(poinsot_error), intent(inout) :: error
+      type(label_list) :: labels
+      real(dp) :: px(size(weights)), py(size(weights))
+      integer :: i, m, pass
+      do pass = 1, 2
+         do m = 2, size(rotors)
+            do i = 1, size(weights)
+               px(i) = fraction_of(x, energies(weights(i)))
+               py(i) = fraction_of(y, over_exact(found, i, m))
+            end do
+            if (pass == 1) call take_curve(labels, px, py, m)
+            i = maxloc(px, 1, mask=py > 0)
+            if (pass == 2 .and. i > 0) call put_name(file, trim(rotors(m)), "", strong_colour(m), &
+                                                     px(i:i), py(i:i), m, labels, error)
+         end do
+      end do
+   end subroutine name_curves
 
 end module poinsot_study_repeat_celledoni

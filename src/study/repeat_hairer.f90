@@ -1,128 +1,187 @@
 !> E. Hairer, G. Vilmart, Preprocessed discrete Moser-Veselov algorithm for the full dynamics of a
-!> rigid body, J. Phys. A 39 (2006) 13225, figure 1, once more: two bodies, error against work for
+!> rigid body, J. Phys. A 39 (2006) 13225, figure 1, once more: two bodies, error against time for
 !> methods of order 2 to 10, and the exact step that was not there then.
 module poinsot_study_repeat_hairer
    use poinsot_core_kinds, only: dp, i8, lanes, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_plots_common, only: put_lines, put_end
+   use poinsot_scene_summary, only: brief_number
    use poinsot_scene_text, only: text_of
+   use poinsot_study_cost_curves, only: put_name
    use poinsot_study_errors, only: attitude_error
    use poinsot_study_free_trial, only: run_block
-   use poinsot_study_plots, only: put_terminals, strong_colour, strong_point
+   use poinsot_study_labels, only: label_list, axis, take_curve, fraction_of
+   use poinsot_study_plots, only: put_terminals, strong_colour, strong_point, nice_below, &
+      nice_above, either
    use poinsot_study_quadruple, only: turn_freely
    use poinsot_study_statistics, only: median
    implicit none(type, external)
    private
    public :: repeat_hairer
 
-   real(dp), parameter :: bodies(3, 2) = reshape([0.6_dp, 0.8_dp, 1.0_dp, 0.345_dp, 0.653_dp, &
-      1.0_dp], [3, 2])
+   !> The second is flat to three digits and a little beyond what a body can be: .345 + .653 < 1.
+   real(dp), parameter :: bodies(3, 2) = reshape([0.6_dp, 0.8_dp, 1.0_dp, &
+                                                  0.345_dp, 0.653_dp, 1.0_dp], [3, 2])
    real(dp), parameter :: y0(3) = [1.8_dp, 0.4_dp, -0.9_dp], t_end = 10
    character(16), parameter :: methods(8) = [character(16) :: "dmv2", "dmv4", "dmv6", "dmv8", &
-      "dmv10", &
-                                             "midpoint", "three-rotations", "exact"]
-   integer, parameter :: repeats = 5
+      "dmv10", "midpoint", "three-rotations", "exact"]
+   integer, parameter :: repeats = 5, coarsest = 3, usual_finest = 13 !! powers of 2 of the steps
+
+   !> What was measured; 0 where a method did not come through.
+   type :: comparison
+      real(dp), dimension(coarsest:usual_finest, size(methods), 2) :: attitude = 0, time = 0
+   end type comparison
 
 contains
 
-   !> Measure, write hairer-vilmart.csv and its picture into a folder that is there. Error:
-   !> POINSOT_E_IO.
-   subroutine repeat_hairer(out, error)
+   !> Measure, write hairer-vilmart.csv, .txt and the picture's script into a folder that is there.
+   !> Error: POINSOT_E_IO.
+   subroutine repeat_hairer(out, error, finest)
       character(*), intent(in) :: out
       type(poinsot_error), intent(inout) :: error
+      integer, intent(in), optional :: finest  !! up to 2**finest steps; default 13
       type(out_file) :: file
-      integer :: body, m, k
+      type(comparison) :: found
+      integer :: body, m, k, last
+      last = usual_finest
+      if (present(finest)) last = min(finest, usual_finest)
       call open_out(out // "/hairer-vilmart.csv", file, error)
       call put(file, "body,method,steps,h,momentum,attitude,ns_per_step,us_per_run", error)
       do body = 1, 2
          do m = 1, size(methods)
-            do k = 3, 13
-               if (.not. raised(error)) call one_run(file, body, trim(methods(m)), 2_i8**k, error)
+            do k = coarsest, last
+               if (.not. raised(error)) call one_run(file, body, m, k, found, error)
             end do
          end do
       end do
       call finish_out(file, error)
-      if (.not. raised(error)) call write_plot(out, error)
+      if (.not. raised(error)) call write_words(out, found, error)
+      if (.not. raised(error)) call write_plot(out, found, error)
    end subroutine repeat_hairer
 
    !> One line, if the method comes through: a block of 32 copies, time of one.
-   subroutine one_run(file, body, method, steps, error)
+   subroutine one_run(file, body, m, k, found, error)
       type(out_file), intent(in) :: file
-      integer, intent(in) :: body
-      character(*), intent(in) :: method
-      integer(i8), intent(in) :: steps
+      integer, intent(in) :: body, m, k
+      type(comparison), intent(inout) :: found
       type(poinsot_error), intent(inout) :: error
-      real(dp) :: y(lanes, 3), q(lanes, 4), seconds(repeats), unit
+      real(dp) :: y(lanes, 3), q(lanes, 4), seconds(repeats), unit, h, momentum
       real(qp) :: ye(3), qe(4)
       character(120) :: line
-      integer :: r, j
+      integer(i8) :: steps
+      integer :: r
       logical :: good
+      steps = 2_i8**k
+      h = t_end/real(steps, dp)
       do r = 1, repeats
-         do j = 1, 3
-            y(:, j) = y0(j)
-         end do
+         y = spread(y0, 1, lanes)
          q = 0
          q(:, 1) = 1
-         call run_block(bodies(:, body), method, t_end/real(steps, dp), steps, y, q, good, &
-            seconds(r), error)
+         call run_block(bodies(:, body), trim(methods(m)), h, steps, y, q, good, seconds(r), error)
          if (raised(error) .or. .not. good) return
       end do
       call turn_freely(bodies(:, body), y0, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], t_end, ye, qe)
       unit = median(seconds)/lanes
-      write (line, "(i0, ',', a, ',', i0, 5(',', es11.4e3))") body, method, steps, &
-         t_end/real(steps, dp), &
-         real(norm2(real(y(1, :), qp) - ye)/norm2(ye), dp), attitude_error(real(q(1, :), qp), qe), &
-         1e9_dp*unit/real(steps, dp), 1e6_dp*unit
+      momentum = real(norm2(real(y(1, :), qp) - ye)/norm2(ye), dp)
+      found%attitude(k, m, body) = attitude_error(real(q(1, :), qp), qe)
+      found%time(k, m, body) = 1e6_dp*unit
+      write (line, "(i0, ',', a, ',', i0, 5(',', es11.4e3))") body, trim(methods(m)), steps, h, &
+         momentum, found%attitude(k, m, body), 1e9_dp*unit/real(steps, dp), found%time(k, m, body)
       call put(file, trim(line), error)
    end subroutine one_run
 
-   !> Left the first body, right the second; error of the attitude against time of the run.
-   subroutine write_plot(out, error)
+   !> For each body and method: slope, and the time to a few errors.
+   subroutine write_words(out, found, error)
       character(*), intent(in) :: out
+      type(comparison), intent(in) :: found
+      type(poinsot_error), intent(inout) :: error
+      real(dp), parameter :: tolerances(4) = [1e-3_dp, 1e-6_dp, 1e-9_dp, 1e-12_dp]
+      type(out_file) :: file
+      character(100) :: line
+      integer :: body, m, i
+      real(dp) :: time, slope
+      call open_out(out // "/hairer-vilmart.txt", file, error)
+      do body = 1, 2
+         write (line, "('moments', 3f7.3)") bodies(:, body)
+         call put(file, trim(line) // ": microseconds of a body's run to t = 10 for an error " // &
+                  "in attitude, and slopes", error)
+         write (line, "(18x, 4es10.0e2, a9)") tolerances, "slope"
+         call put(file, trim(line), error)
+         do m = 1, size(methods)
+            line = "   " // methods(m)
+            do i = 1, size(tolerances)
+               time = minval(found%time(:, m, body), mask=found%time(:, m, body) > 0 .and. &
+                             found%attitude(:, m, body) <= tolerances(i))
+               line(10*i + 9:10*i + 18) = "         -"
+               if (time < huge(time)) write (line(10*i + 9:10*i + 18), "(f10.2)") time
+            end do
+            line(59:67) = "        -"
+            slope = slope_of(found, m, body)
+            if (slope > 0) write (line(59:67), "(f9.1)") slope
+            call put(file, trim(line), error)
+         end do
+      end do
+      call put(file, "The exact step is right to rounding (" // &
+               brief_number(maxval(found%attitude(:, size(methods), :))) // &
+               " at worst) with any step.", error)
+      call finish_out(file, error)
+   end subroutine write_words
+
+   !> Slope between the two finest runs clear of rounding, 0 if there are none.
+   pure real(dp) function slope_of(found, m, body) result(slope)
+      type(comparison), intent(in) :: found
+      integer, intent(in) :: m, body
+      integer :: k
+      slope = 0
+      associate (off => found%attitude(:, m, body))
+         do k = 2, size(off)
+            if (off(k - 1) > 0.1_dp .or. .not. off(k - 1) > off(k)) cycle ! 0: no result
+            if (off(k) > 3e-13_dp) slope = log(off(k - 1)/off(k))/log(2.0_dp)
+         end do
+      end associate
+   end function slope_of
+
+   !> Left the first body, right the second; error of the attitude against time of the run.
+   subroutine write_plot(out, found, error)
+      character(*), intent(in) :: out
+      type(comparison), intent(in) :: found
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
-      character(:), allocatable :: line
+      type(axis) :: x, y
       integer :: m, body
+      x = axis(nice_below(0.3_dp*minval(found%time, mask=found%time > 0)), &
+               nice_above(6*maxval(found%time)))
+      y = axis(1e-16_dp, 10.0_dp)
       call open_out(out // "/plot_hairer-vilmart.gp", file, error)
       if (raised(error)) return
       call put_terminals(file, "hairer-vilmart", 960, 470, error)
       call put_lines(file, [character(110) :: "file = 'hairer-vilmart.csv'", &
          "set multiplot", "set logscale xy; set format x '10^{%T}'; set format y '10^{%T}'", &
          "set border 3; set tics nomirror out; unset key; set grid lc rgb '#ececec' lt 1 lw 0.7", &
-         "set xrange [0.05:3000]; set yrange [1e-16:10]", "set tmargin 2.5; set bmargin 3.5", &
-         "set xlabel 'time of the run to t = 10, microseconds'"], error)
+         "set tmargin 2.5; set bmargin 3.5", &
+         "set xlabel 'time of the run to t = 10, microseconds a body'"], error)
+      call put(file, "set xrange [" // text_of(x%from) // ":" // text_of(x%to) // &
+               "]; set yrange [" // text_of(y%from) // ":" // text_of(y%to) // "]", error)
       do body = 1, 2
-         call put(file, "unset label", error)
+         call put(file, "unset label; unset arrow", error)
          if (body == 1) then
-            call put(file, "set lmargin at screen 0.085; set rmargin at screen 0.48", error)
-            call put(file, "set ylabel 'error in attitude, radians'", error)
-            call put(file, "set label 'moments 0.6, 0.8, 1' at graph 0, graph 1.05 font ',13'", &
-               error)
+            call put_lines(file, [character(80) :: &
+               "set lmargin at screen 0.085; set rmargin at screen 0.5", &
+               "set ylabel 'error in attitude at t = 10, radians'", &
+               "set label 'moments 0.6, 0.8, 1' at graph 0, graph 1.05 font ',13'"], error)
          else
-            call put(file, &
-               "set lmargin at screen 0.575; set rmargin at screen 0.97; unset ylabel", error)
-            call put(file, &
-               "set label 'moments 0.345, 0.653, 1' at graph 0, graph 1.05 font ',13'", error)
+            call put_lines(file, [character(80) :: &
+               "set lmargin at screen 0.565; set rmargin at screen 0.98; unset ylabel", &
+               "set label 'moments 0.345, 0.653, 1' at graph 0, graph 1.05 font ',13'"], error)
          end if
+         call name_curves(file, found, body, x, y, error)
          do m = 1, size(methods)
-            call put(file, "n = 0; stats file skip 1 using (stringcolumn(1) eq '" // &
-               text_of(body) // &
+            call put(file, either("plot ", "   ", m == 1) // &
+                     "file skip 1 using (stringcolumn(1) eq '" // text_of(body) // &
                      "' && stringcolumn(2) eq '" // trim(methods(m)) // &
-                        "' ? (n = n + 1, n == 1 ? (first_x = $8, " // &
-                     "first_y = $6) : 0, last_x = $8, last_y = $6, 1) : NaN) nooutput", error)
-            call put(file, "set label '" // trim(methods(m)) // "' at " // label_place(m) // &
-               " tc rgb '" // &
-                     strong_colour(m) // "' font ',10' front", error)
-         end do
-         line = "plot "
-         do m = 1, size(methods)
-            call put(file, line // "file skip 1 using (stringcolumn(1) eq '" // text_of(body) // &
-                     "' && stringcolumn(2) eq '" // trim(methods(m)) // &
-                        "' ? $8 : NaN):6 with linespoints pt " // &
-                     text_of(strong_point(m)) // " ps 0.6 lw 1.4 lc rgb '" // strong_colour(m) // &
-                        "', \", error)
-            line = "   "
+                     "' ? $8 : NaN):6 with linespoints pt " // text_of(strong_point(m)) // &
+                     " ps 0.6 lw 1.4 lc rgb '" // strong_colour(m) // "', \", error)
          end do
          call put(file, "   NaN notitle", error)
       end do
@@ -131,21 +190,39 @@ contains
       call finish_out(file, error)
    end subroutine write_plot
 
-   !> Names of order 2 stand at the last point of their curves, others at the first.
-   function label_place(m) result(text)
-      integer, intent(in) :: m
-      character(:), allocatable :: text
-      text = "first_x*0.8, first_y right"
-      select case (methods(m))
-      case ("dmv2")
-         text = "last_x*1.3, last_y*4"
-      case ("midpoint")
-         text = "last_x*1.3, last_y*1.2"
-      case ("three-rotations")
-         text = "last_x*1.3, last_y*0.5"
-      case default
-         return
-      end select
-   end function label_place
+   subroutine name_curves(file, found, body, x, y, error)
+      type(out_file), intent(in) :: file
+      type(comparison), intent(in) :: found
+      integer, intent(in) :: body
+      type(axis), intent(in) :: x, y
+      type(poinsot_error), intent(inout) :: error
+      type(label_list) :: labels
+      real(dp), allocatable :: px(:), py(:)
+      integer :: m
+      labels%letter = 1.8_dp*labels%letter ! two pictures side by side: each is half as wide
+      do m = 1, size(methods)
+         call curve_in_picture(found, m, body, x, y, px, py)
+         call take_curve(labels, px, py, m)
+      end do
+      do m = 1, size(methods)
+         call curve_in_picture(found, m, body, x, y, px, py)
+         call put_name(file, trim(methods(m)), "", strong_colour(m), px, py, m, labels, error)
+      end do
+   end subroutine name_curves
+
+   !> In fractions of the picture.
+   subroutine curve_in_picture(found, m, body, x, y, px, py)
+      type(comparison), intent(in) :: found
+      integer, intent(in) :: m, body
+      type(axis), intent(in) :: x, y
+      real(dp), allocatable, intent(out) :: px(:), py(:)
+      integer :: k
+      allocate (px(0), py(0))
+      do k = coarsest, usual_finest
+         if (.not. found%time(k, m, body) > 0) cycle
+         px = [px, fraction_of(x, found%time(k, m, body))]
+         py = [py, fraction_of(y, found%attitude(k, m, body))]
+      end do
+   end subroutine curve_in_picture
 
 end module poinsot_study_repeat_hairer

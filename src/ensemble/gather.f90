@@ -1,0 +1,220 @@
+!> From the caller's arrays to all blocks at once, and back.
+module poinsot_ensemble_gather
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_method, poinsot_e_size
+   use poinsot_effect_effect, only: pair_effect
+   use poinsot_ensemble_block, only: host_arrays, open_host, load_block, store_block
+   use poinsot_ensemble_bodies, only: body_view
+   use poinsot_ensemble_deal, only: hand, chunk_count, deal_chunk, next_block
+   use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
+   use poinsot_ensemble_system, only: ensemble_flows, station
+   use poinsot_splitting_block_flows, only: block_flows
+   !$ use omp_lib, only: omp_in_parallel, omp_get_max_threads
+   implicit none(type, external)
+   private
+   public :: memory, gather_all, store_all, remember, go_back
+
+   integer, parameter :: blocks_per_thread = 4 !! with fewer, a thread costs more than it brings
+
+   !> What a station needs to go back to: the state before a step.
+   type :: memory
+      real(dp) :: y(lanes, 3), q(lanes, 4), carry(lanes, 7)
+      integer :: status(lanes)
+   end type memory
+
+contains
+
+   !> Load all bodies into blocks, with the flows of their classes. The callback is there already.
+   !> Errors: POINSOT_E_MEMORY, POINSOT_E_METHOD if the splitting needs a gradient that the callback
+   !> has not, POINSOT_E_SIZE if a pair effect has positions for another number of bodies.
+   subroutine gather_all(plan, view, system, failed, error)
+      type(poinsot_plan), intent(in), target :: plan !! ready
+      type(body_view), intent(in) :: view            !! the caller's arrays
+      type(ensemble_flows), intent(inout) :: system  !! all blocks
+      logical, intent(inout) :: failed               !! set if a body is refused
+      type(poinsot_error), intent(inout) :: error
+      type(block_flows), allocatable :: composed(:)
+      integer :: blocks, k
+
+      system%plan => plan
+      system%n = view%n
+      call check_pairs(plan, view, error)
+      if (.not. raised(error)) call compose_classes(plan, plan%splitting, composed, error)
+      if (raised(error)) return
+      if (plan%splitting%needs_gradient .and. associated(system%callback)) then
+         call raise(error, poinsot_e_method, "splitting '" // trim(plan%splitting%name) // &
+                    "' needs a force gradient, which a callback does not have; srkn4 and " // &
+                    "srkn6 need none")
+         return
+      end if
+      blocks = count_blocks(plan, view, failed)
+      system%team = team_size(plan, blocks)
+      call make_room(plan, blocks, system, error)
+      if (raised(error)) return
+      call load_all(plan, view, composed, system, failed)
+      do k = 1, size(composed)
+         system%has_outer = system%has_outer .or. composed(k)%has_outer
+      end do
+   end subroutine gather_all
+
+   !> How many blocks the bodies make.
+   integer function count_blocks(plan, view, failed) result(blocks)
+      type(poinsot_plan), intent(in) :: plan
+      type(body_view), intent(in) :: view
+      logical, intent(inout) :: failed
+      type(hand) :: h
+      integer :: c, first, n, class
+      blocks = 0
+      do c = 1, chunk_count(view%n)
+         call deal_chunk(view, size(plan%classes), c, h, failed)
+         do
+            call next_block(h, first, n, class)
+            if (n == 0) exit
+            blocks = blocks + 1
+         end do
+      end do
+   end function count_blocks
+
+   !> Threads for so many blocks.
+   integer function team_size(plan, blocks) result(team)
+      type(poinsot_plan), intent(in) :: plan
+      integer, intent(in) :: blocks
+      team = 1
+      !$ if (.not. omp_in_parallel()) then
+      !$    team = merge(plan%threads, omp_get_max_threads(), plan%threads > 0)
+      !$ end if
+      team = max(1, min(team, blocks/blocks_per_thread))
+   end function team_size
+
+   subroutine make_room(plan, blocks, system, error)
+      type(poinsot_plan), intent(in) :: plan
+      integer, intent(in) :: blocks
+      type(ensemble_flows), intent(inout) :: system
+      type(poinsot_error), intent(inout) :: error
+      integer :: state
+      allocate (system%at(blocks), stat=state)
+      if (state == 0 .and. plan%coupled) then
+         allocate (system%sources(3, system%n, size(plan%effects)), &
+                   system%changes(3, system%n), stat=state)
+      end if
+      if (state == 0 .and. associated(system%callback)) then
+         allocate (system%q(system%n, 4), system%torque(system%n, 3), stat=state)
+      end if
+      if (state /= 0) then
+         call raise(error, poinsot_e_memory, "no memory for the blocks of all bodies")
+      end if
+   end subroutine make_room
+
+   subroutine load_all(plan, view, composed, system, failed)
+      type(poinsot_plan), intent(in) :: plan
+      type(body_view), intent(in) :: view
+      type(block_flows), intent(in) :: composed(:)    !! of each class
+      type(ensemble_flows), intent(inout) :: system
+      logical, intent(inout) :: failed
+      type(hand) :: h
+      type(host_arrays) :: host
+      integer :: c, k, first, n, class
+      if (view%n > 0) call open_host(view, plan%momentum, host)
+      host%wants_id = .true.
+      k = 0
+      do c = 1, chunk_count(view%n)
+         call deal_chunk(view, size(plan%classes), c, h, failed)
+         do
+            call next_block(h, first, n, class)
+            if (n == 0) exit
+            k = k + 1
+            call load_station(plan, host, composed(class), h%at(first:first + n - 1), n, &
+                              class, system%at(k))
+         end do
+      end do
+   end subroutine load_all
+
+   subroutine load_station(plan, host, flows, places, n, class, s)
+      type(poinsot_plan), intent(in) :: plan
+      type(host_arrays), intent(in) :: host
+      type(block_flows), intent(in) :: flows
+      integer, intent(in) :: n, class, places(n)
+      type(station), intent(inout) :: s
+      s%flows = flows
+      call load_block(host, places, n, class, plan%classes(class), plan%axes(:, class), s%b)
+      s%b%at(n + 1:) = 0
+      s%flows%y = s%b%y
+      s%flows%q = s%b%q
+      if (s%b%compensated) s%flows%carry = s%b%carry
+      s%flows%status = s%b%status
+      s%flows%id = s%b%id
+      s%flows%compensated = s%b%compensated
+   end subroutine load_station
+
+   !> All blocks back into the caller's arrays.
+   subroutine store_all(plan, view, system, failed)
+      type(poinsot_plan), intent(in) :: plan        !! ready
+      type(body_view), intent(in) :: view           !! the caller's arrays
+      type(ensemble_flows), intent(inout) :: system !! all blocks
+      logical, intent(inout) :: failed              !! set if a body failed
+      type(host_arrays) :: host
+      integer :: k
+      if (view%n == 0) return
+      call open_host(view, plan%momentum, host)
+      do k = 1, size(system%at)
+         associate (s => system%at(k))
+            s%b%y = s%flows%y
+            s%b%q = s%flows%q
+            s%b%carry = s%flows%carry
+            s%b%status = s%flows%status
+            call store_block(host, plan%classes(s%b%class), plan%axes(:, s%b%class), &
+                             .false., .false., s%b)
+            failed = failed .or. any(s%b%status(1:s%b%n) /= poinsot_ok)
+         end associate
+      end do
+   end subroutine store_all
+
+   !> Pair effects that know positions need one for each body.
+   subroutine check_pairs(plan, view, error)
+      type(poinsot_plan), intent(in) :: plan
+      type(body_view), intent(in) :: view
+      type(poinsot_error), intent(inout) :: error
+      character(24) :: numbers
+      integer :: i
+      do i = 1, size(plan%effects)
+         select type (one => plan%effects(i)%it)
+         class is (pair_effect)
+            if (one%bodies() > 0 .and. one%bodies() /= view%n) then
+               write (numbers, "(i0, a, i0)") one%bodies(), " for ", view%n
+               call raise(error, poinsot_e_size, "effect '" // trim(one%name) // &
+                          "' has positions of " // trim(numbers) // &
+                          " bodies: give one position for each")
+            end if
+         end select
+      end do
+   end subroutine check_pairs
+
+   !> Keep the state of all stations.
+   subroutine remember(system, before)
+      type(ensemble_flows), intent(in) :: system !! all blocks
+      type(memory), intent(inout) :: before(:)
+      integer :: k
+      do k = 1, size(before)
+         associate (f => system%at(k)%flows)
+            before(k) = memory(f%y, f%q, f%carry, f%status)
+         end associate
+      end do
+   end subroutine remember
+
+   !> Put that state back.
+   subroutine go_back(system, before)
+      type(ensemble_flows), intent(inout) :: system !! all blocks
+      type(memory), intent(in) :: before(:)
+      integer :: k
+      do k = 1, size(before)
+         associate (f => system%at(k)%flows)
+            f%y = before(k)%y
+            f%q = before(k)%q
+            f%carry = before(k)%carry
+            f%status = before(k)%status
+         end associate
+      end do
+   end subroutine go_back
+
+end module poinsot_ensemble_gather

@@ -1,0 +1,242 @@
+!> All bodies as one system for the stepper: pair effects and the host's callback need all attitudes
+!> before a kick, so each stage of the splitting goes over all blocks.
+module poinsot_ensemble_system
+   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_effect_effect, only: pair_effect
+   use poinsot_ensemble_block, only: block_state
+   use poinsot_ensemble_layout, only: turn_to_body, from_native, body_momentum
+   use poinsot_ensemble_plan, only: poinsot_plan
+   use poinsot_splitting_block_flows, only: block_flows
+   use poinsot_splitting_stepper, only: flows
+   implicit none(type, external)
+   private
+   public :: torque_callback, station, ensemble_flows, lay_all, add_pairs
+
+   !> The host's torques for all bodies at once: extend this type, its components are the context.
+   type, abstract :: torque_callback
+   contains
+      procedure(evaluate), deferred :: evaluate
+   end type torque_callback
+
+   abstract interface
+      !> Torques of all bodies, in the caller's order and in the frame the plan says. `stop` =
+      !> .true. ends the call: the bodies then have the state of before that step.
+      subroutine evaluate(self, t, q, torque, energy, stop)
+         import :: torque_callback, dp
+         implicit none(type, external)
+         class(torque_callback), intent(inout) :: self
+         real(dp), intent(in) :: t                        !! time
+         real(dp), intent(in), target :: q(:, :)          !! (n, 4): attitudes, caller's body frames
+         real(dp), intent(inout), target :: torque(:, :)  !! (n, 3): zero on entry
+         real(dp), intent(inout) :: energy                !! potential energy of all, if it is known
+         logical, intent(inout) :: stop
+      end subroutine evaluate
+   end interface
+
+   !> One block of the ensemble with its places in the caller's arrays.
+   type :: station
+      type(block_flows) :: flows
+      type(block_state) :: b
+   end type station
+
+   !> All blocks as one system for the stepper.
+   type, extends(flows) :: ensemble_flows
+      type(poinsot_plan), pointer :: plan => null()
+      type(station), allocatable :: at(:)
+      class(torque_callback), pointer :: callback => null()
+      real(dp), allocatable :: sources(:, :, :)  !! (3, n, effects): what pair effects lay out
+      real(dp), allocatable :: changes(:, :)     !! (3, n): its derivative, of one effect
+      real(dp), allocatable :: q(:, :)           !! (n, 4): what the callback sees
+      real(dp), allocatable :: torque(:, :)      !! (n, 3): what it answers
+      real(dp) :: energy = 0                     !! what it answered last
+      integer :: n = 0, team = 1
+   contains
+      procedure :: drift => drift_all
+      procedure :: kick => kick_all
+      procedure :: outer => outer_all
+   end type ensemble_flows
+
+contains
+
+   subroutine drift_all(self, h)
+      class(ensemble_flows), intent(inout) :: self
+      real(dp), intent(in) :: h
+      integer :: k
+      self%fresh = .false.
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) &
+      !$omp shared(self, h) private(k)
+      do k = 1, size(self%at)
+         call self%at(k)%flows%drift(h)
+      end do
+      !$omp end parallel do
+   end subroutine drift_all
+
+   subroutine outer_all(self, h, step, half)
+      class(ensemble_flows), intent(inout) :: self
+      real(dp), intent(in) :: h
+      integer(i8), intent(in) :: step
+      integer, intent(in) :: half
+      integer :: k
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) &
+      !$omp shared(self, h, step, half) private(k)
+      do k = 1, size(self%at)
+         if (self%at(k)%flows%has_outer) call self%at(k)%flows%outer(h, step, half)
+      end do
+      !$omp end parallel do
+   end subroutine outer_all
+
+   !> y += b g + c G for all bodies: own torques, pair torques, the host's.
+   subroutine kick_all(self, t, b, c)
+      class(ensemble_flows), intent(inout) :: self
+      real(dp), intent(in) :: t, b, c
+      integer :: k
+      if (.not. self%fresh) call evaluate_torques(self, t)
+      if (self%halted) return
+      self%fresh = .true.
+      if (abs(c) > 0) call evaluate_gradients(self, t)
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) &
+      !$omp shared(self, b, c) private(k)
+      do k = 1, size(self%at)
+         call self%at(k)%flows%push(b, c)
+      end do
+      !$omp end parallel do
+   end subroutine kick_all
+
+   !> Torques of all bodies at time t, into each block's g.
+   subroutine evaluate_torques(self, t)
+      type(ensemble_flows), intent(inout) :: self
+      real(dp), intent(in) :: t
+      integer :: k, i
+      call lay_all(self)
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) &
+      !$omp shared(self, t) private(k, i)
+      do k = 1, size(self%at)
+         associate (s => self%at(k))
+            call s%flows%start_torque(t)
+            do i = 1, size(self%plan%effects)
+               select type (one => self%plan%effects(i)%it)
+               class is (pair_effect)
+                  if (one%acts_on(s%b%class)) then
+                     call one%add_torque(s%b%class, s%b%at, s%flows%q, &
+                                         self%sources(:, :, i), s%flows%g)
+                  end if
+               end select
+            end do
+         end associate
+      end do
+      !$omp end parallel do
+      if (associated(self%callback)) call ask_callback(self, t)
+      do k = 1, size(self%at)
+         call self%at(k)%flows%freeze_torque()
+      end do
+   end subroutine evaluate_torques
+
+   !> What each body shows to the others, into the sources.
+   subroutine lay_all(self)
+      type(ensemble_flows), intent(inout) :: self
+      integer :: k, i
+      if (self%plan%coupled) self%sources = 0
+      do i = 1, size(self%plan%effects)
+         select type (one => self%plan%effects(i)%it)
+         class is (pair_effect)
+            do k = 1, size(self%at)
+               associate (s => self%at(k))
+                  if (one%acts_on(s%b%class)) then
+                     call one%lay_source(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i))
+                  end if
+               end associate
+            end do
+         end select
+      end do
+   end subroutine lay_all
+
+   !> Pair energies of block k.
+   subroutine add_pairs(self, k, u)
+      type(ensemble_flows), intent(in) :: self
+      integer, intent(in) :: k
+      real(dp), intent(inout) :: u(lanes)
+      integer :: i
+      do i = 1, size(self%plan%effects)
+         select type (one => self%plan%effects(i)%it)
+         class is (pair_effect)
+            associate (s => self%at(k))
+               if (one%acts_on(s%b%class)) then
+                  call one%add_energy(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i), u)
+               end if
+            end associate
+         end select
+      end do
+   end subroutine add_pairs
+
+   !> The host's torques, in its order and frame.
+   subroutine ask_callback(self, t)
+      type(ensemble_flows), intent(inout) :: self
+      real(dp), intent(in) :: t
+      real(dp) :: q(lanes, 4), p(lanes, 4), g(lanes, 3)
+      integer :: k, l
+      self%q = 0
+      self%q(:, 1) = 1
+      do k = 1, size(self%at)
+         associate (s => self%at(k), axes => self%plan%axes, classes => self%plan%classes)
+            q = s%flows%q
+            call from_native(body_momentum, axes(:, s%b%class), classes(s%b%class), s%flows%y, q, p)
+            do l = 1, s%b%n
+               self%q(s%b%at(l), :) = q(l, :)
+            end do
+         end associate
+      end do
+      self%torque = 0
+      self%energy = 0
+      call self%callback%evaluate(t, self%q, self%torque, self%energy, self%halted)
+      if (self%halted) return
+      do k = 1, size(self%at)
+         associate (s => self%at(k))
+            g = 0
+            do l = 1, s%b%n
+               g(l, :) = self%torque(s%b%at(l), :)
+            end do
+            s%b%status = s%flows%status
+            call s%b%refuse_values(g)
+            s%flows%status = s%b%status
+            call turn_to_body(self%plan%space_torque, self%plan%axes(:, s%b%class), s%flows%q, g)
+            s%flows%g = s%flows%g + g
+         end associate
+      end do
+   end subroutine ask_callback
+
+   !> Force gradients of all bodies: two passes for pair effects, as for torques.
+   subroutine evaluate_gradients(self, t)
+      type(ensemble_flows), intent(inout) :: self
+      real(dp), intent(in) :: t
+      integer :: k, i
+      do k = 1, size(self%at)
+         call self%at(k)%flows%start_gradient(t)
+      end do
+      do i = 1, size(self%plan%effects)
+         select type (one => self%plan%effects(i)%it)
+         class is (pair_effect)
+            self%changes = 0
+            do k = 1, size(self%at)
+               associate (s => self%at(k))
+                  if (one%acts_on(s%b%class)) then
+                     call one%lay_change(s%b%class, s%b%at, s%flows%q, s%flows%delta, self%changes)
+                  end if
+               end associate
+            end do
+            do k = 1, size(self%at)
+               associate (s => self%at(k))
+                  if (one%acts_on(s%b%class)) then
+                     call one%add_derivative(s%b%class, s%b%at, s%flows%q, s%flows%delta, &
+                                             self%sources(:, :, i), self%changes, &
+                                             s%flows%gradient)
+                  end if
+               end associate
+            end do
+         end select
+      end do
+      do k = 1, size(self%at)
+         call self%at(k)%flows%finish_gradient()
+      end do
+   end subroutine evaluate_gradients
+
+end module poinsot_ensemble_system

@@ -1,0 +1,150 @@
+!> Errors of a cost study: every candidate with shorter and shorter steps.
+module poinsot_study_cost_climb
+   use poinsot_core_kinds, only: dp, i8
+   use poinsot_ensemble_plan, only: poinsot_plan
+   use poinsot_scene_watch, only: run_watch
+   use poinsot_study_clock, only: wall_seconds
+   use poinsot_study_cost_data, only: cost_request, cost_study
+   use poinsot_study_cost_point, only: cost_point, digest, add_point, middle, error_of, of_both
+   use poinsot_study_errors, only: body_errors, find_errors
+   use poinsot_study_trial, only: trial_run, run_trial, most_checks
+   implicit none(type, external)
+   private
+   public :: climber, climb
+
+   real(dp), parameter :: error_share = 0.6_dp    !! of the budget: when errors must be known
+   real(dp), parameter :: one_share = 0.05_dp     !! longest single run
+   real(dp), parameter :: far_behind = 30 !! times the cheapest of its accuracy: given up ...
+   real(dp), parameter :: behind = 4
+   real(dp), parameter :: long_level = 0.008_dp   !! ... once a level takes this part of the budget
+   real(dp), parameter :: longer_level = 0.04_dp
+
+   !> How far a candidate has come.
+   type :: climber
+      type(poinsot_plan) :: plan
+      logical :: running = .true.
+      integer :: stalls = 0                       !! levels without gain
+      real(dp) :: last = huge(1.0_dp)             !! error at the level before
+      real(dp) :: seconds = 0                     !! of its last run, a step
+   end type climber
+
+contains
+
+   !> Number of steps at a level: 1, 2, 3, 4, 6, 8, 12, ...
+   pure integer(i8) function steps_of(level) result(steps)
+      integer, intent(in) :: level       !! from 1
+      steps = 1
+      if (level == 1) return
+      steps = ishft(merge(2_i8, 3_i8, mod(level, 2) == 0), level/2 - 1)
+   end function steps_of
+
+   !> Errors, level by level: all candidates with long steps first, so that a budget that ends
+   !> leaves all of them equally far.
+   subroutine climb(request, begun, watch, climbers, study)
+      type(cost_request), intent(in) :: request
+      real(dp), intent(in) :: begun
+      class(run_watch), intent(inout) :: watch
+      type(climber), intent(inout) :: climbers(:)
+      type(cost_study), intent(inout) :: study
+      type(cost_point) :: one
+      integer :: level, i, n
+      integer(i8) :: steps
+      real(dp) :: left, level_took, limit
+      n = 0
+      limit = 1e30_dp
+      level = 1
+      if (.not. study%kind%free) level = 8
+      do while (any(climbers%running) .and. level < 64)
+         steps = steps_of(level)
+         if (steps > request%most_steps) exit
+         level_took = wall_seconds()
+         do i = 1, size(climbers)
+            if (.not. climbers(i)%running) cycle
+            left = error_share*request%budget - (wall_seconds() - begun)
+            if (climbers(i)%seconds*real(steps, dp) > min(left, one_share*request%budget) .or. &
+               left <= 0) then
+               climbers(i)%running = .false.
+               cycle
+            end if
+            if (watch%stop_now()) study%stopped = .true.
+            if (study%stopped) exit
+            call one_point(request, climbers(i), i, steps, study, one)
+            call add_point(study%points, n, one)
+            call judge(study%candidates(i)%order, study%points(:n), one, limit, climbers(i))
+            call watch%tell(wall_seconds() - begun, request%budget)
+         end do
+         if (study%stopped) exit
+         level_took = wall_seconds() - level_took
+         if (level_took > long_level*request%budget) limit = min(limit, far_behind)
+         if (level_took > longer_level*request%budget) limit = behind
+         level = level + 1
+      end do
+      call by_candidate(study%points(:n), size(climbers), study%points)
+   end subroutine climb
+
+   !> Run and compare.
+   subroutine one_point(request, mine, number, steps, study, one)
+      type(cost_request), intent(in) :: request
+      type(climber), intent(inout) :: mine
+      integer, intent(in) :: number
+      integer(i8), intent(in) :: steps
+      type(cost_study), intent(in) :: study
+      type(cost_point), intent(out) :: one
+      type(trial_run) :: run
+      type(body_errors) :: errors
+      one%candidate = number
+      one%steps = steps
+      one%h = study%t_end/real(steps, dp)
+      call run_trial(mine%plan, study%members, study%t_end, steps, most_checks, &
+         request%compensated, run)
+      mine%seconds = run%seconds/real(steps, dp)
+      one%good = run%good
+      if (.not. run%good) return
+      one%guess = 1e9_dp*run%seconds/(real(steps, dp)*study%members%n)
+      call find_errors(run, study%reference%state, study%t_end, errors)
+      call digest(errors, study%members%own, one)
+   end subroutine one_point
+
+   !> Is there anything to gain from shorter steps?
+   subroutine judge(order, points, one, limit, mine)
+      integer, intent(in) :: order
+      real(dp), intent(in) :: limit            !! times dearer than another that is as good
+      type(cost_point), intent(in) :: points(:), one
+      type(climber), intent(inout) :: mine
+      real(dp) :: off, price
+      integer :: i
+      if (.not. one%good) return
+      off = error_of(one, of_both, middle)
+      if (off > 0.6_dp*mine%last .and. off < 1e-9_dp) mine%stalls = mine%stalls + 1
+      if (off < 0.6_dp*mine%last) mine%stalls = 0
+      mine%last = min(off, mine%last)
+      mine%running = mine%stalls < merge(16, 3, order == 0)
+      if (.not. off < 1e-2_dp) return
+      price = one%guess/one%h
+      do i = 1, size(points)
+         if (.not. points(i)%good) cycle
+         if (error_of(points(i), of_both, middle) <= off .and. &
+             limit*points(i)%guess/points(i)%h < price) mine%running = .false.
+      end do
+   end subroutine judge
+
+   !> Points in the order of candidates.
+   subroutine by_candidate(points, candidates, sorted)
+      type(cost_point), intent(in) :: points(:)
+      integer, intent(in) :: candidates
+      type(cost_point), allocatable, intent(inout) :: sorted(:)
+      type(cost_point), allocatable :: list(:)
+      integer :: i, k, n
+      allocate (list(size(points)))
+      n = 0
+      do k = 1, candidates
+         do i = 1, size(points)
+            if (points(i)%candidate /= k) cycle
+            n = n + 1
+            list(n) = points(i)
+         end do
+      end do
+      call move_alloc(list, sorted)
+   end subroutine by_candidate
+
+end module poinsot_study_cost_climb
