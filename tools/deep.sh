@@ -187,7 +187,9 @@ part_coverage() {
    done
    app="$folder/poinsot"
    results=$folder/out
-   reach cost $app cost heavy-top --budget 6s --methods exact,dmv6 --splittings strang,srkn4 --no-pictures --out $results/cost
+   printf '%s\n' name,setting,angle,worst,momentum,worst,ns euler,0.1,1e-2,2e-2,1e-2,2e-2,50 >$out/rivals.csv
+   reach cost $app cost heavy-top --budget 6s --methods exact,dmv6 --splittings strang,srkn4 --no-pictures --out $results/cost \
+      --rivals $out/rivals.csv
    reach choose $app choose heavy-top --tol 1e-4 --budget 20s --out $results/chosen.nml
    reach hairer $app reproduce hairer-vilmart --no-pictures --out $results/hairer
    reach fasso $app reproduce fasso --no-pictures --out $results/fasso
