@@ -119,7 +119,11 @@ contains
             "poinsot methods", &
             "", &
             "Lists the methods that turn a free body: name, order (exact: right to rounding for", &
-            "any step), what it is. A scene names one in &scene method = '...'."])
+            "any step), what it is. A scene names one in &scene method = '...'.", &
+            "", &
+            "All but exact and jacobi take steps of at most a quarter turn by the largest", &
+            "angular velocity of the motion (dmv2 and rattle a third less), and refuse longer", &
+            "ones: poinsot hard, docs/robustness.md."])
       case ("splittings")
          call put([character(100) :: &
             "poinsot splittings", &

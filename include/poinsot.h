@@ -97,8 +97,12 @@ void poinsot_body_destroy(poinsot_body **body);
 
 /* `steps` free steps of length h of n bodies of one kind, in place.
  *   method    a name of poinsot_method_name: "exact", "jacobi", "dmv2" to "dmv24", "midpoint", ...; POINSOT_E_METHOD else
+ *   h         either sign; "exact" and "jacobi" take up to 1e15 radians, the others pi/2 by the largest angular velocity of the
+ *             motion: a body beyond gets POINSOT_E_STEP. "dmv2" and "rattle" end between 1 and 1.5: POINSOT_E_CONVERGENCE.
+ *             "three-rotations" takes less of a thin body. |angular velocity| up to 1e70: POINSOT_E_DOMAIN beyond
  *   n         0 to 268435455; POINSOT_E_SIZE beyond
- *   y         [n][3] angular momenta, body frame;   q: [n][4] attitudes. NULL only if n = 0
+ *   y         [n][3] angular momenta, body frame;   q: [n][4] attitudes, of unit norm to 1e-6 or POINSOT_E_DOMAIN. NULL only if
+ *             n = 0
  *   per_body  [n] a status for each body; may be NULL
  * Uses as many threads as OpenMP says (OMP_NUM_THREADS, omp_set_num_threads); a plan says its own number. */
 poinsot_status poinsot_rotate(const poinsot_body *body, const char *method, double h, size_t steps,

@@ -28,7 +28,7 @@ module test_hard_symmetry
       real(dp) :: space(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp] !! of unit norm
       integer :: order(3) = [1, 2, 3]
       real(dp) :: sign = 1                                     !! -1 makes an odd order a rotation
-      real(dp) :: heat = 1         !! of the noise: it is drawn for each axis, other labels, other noise
+      real(dp) :: heat = 1   !! of the noise, which is drawn axis by axis: other labels, other noise
    end type view_of_it
 
    !> The heavy top by a callback.

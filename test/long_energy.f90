@@ -102,7 +102,8 @@ contains
       type(energy_record), intent(in) :: record
       character(20) :: names(2)
       names = [character(20) :: rotor, scheme]
-      write (output_unit, "(2x, 2a, i10, ' periods: largest error ', es8.1, ' in the first tenth, ', &
+      write (output_unit, &
+         "(2x, 2a, i10, ' periods: largest error ', es8.1, ' in the first tenth, ', &
          &es8.1, ' in the last; trend ', es9.1, ' +- ', es7.1, ' a period')") names, periods, &
          record%first, record%last, record%trend, record%seen
    end subroutine show

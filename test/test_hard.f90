@@ -356,8 +356,8 @@ contains
    end subroutine test_back
 
    !> The plain Moser-Veselov map has a root below 90 degrees as long as h |omega| <= 1, and two
-   !> solvers of it find the same; beyond, both find it or both refuse. On a sphere the roots meet at
-   !> 1, and e = (1 - sqrt(1 - s^2))/s there.
+   !> solvers of it find the same; beyond, both find it or both refuse. On a sphere the roots meet
+   !> at 1, and e = (1 - sqrt(1 - s^2))/s there.
    subroutine test_roots(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: sizes(12) = [0.8_dp, 0.9_dp, 0.95_dp, 0.98_dp, 0.999_dp, 1.0_dp, &

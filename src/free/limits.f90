@@ -5,7 +5,7 @@ module poinsot_free_limits
    use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
-   public :: refuse_speed
+   public :: refuse_speed, refuse_torque
 
 contains
 
@@ -31,6 +31,29 @@ contains
          y(l, :) = 0
       end do
    end subroutine refuse_speed
+
+   !> Lanes whose torque a force gradient cannot square, g g/I beyond 1e300, or is no number, get
+   !> POINSOT_E_DOMAIN and no torque.
+   pure subroutine refuse_torque(class, g, status)
+      type(body_class), intent(in) :: class          !! of these bodies
+      real(dp), intent(inout) :: g(lanes, 3)         !! body torque
+      integer, intent(inout) :: status(lanes)
+      integer(i8) :: limit, excess
+      integer :: l
+      limit = magnitude(1e150_dp*sqrt(min(minval(class%moments, class%moments > 0), 1e200_dp)))
+      excess = -1
+      !GCC$ ivdep
+      do l = 1, lanes
+         excess = max(excess, magnitude(g(l, 1)) - limit, magnitude(g(l, 2)) - limit, &
+                      magnitude(g(l, 3)) - limit)
+      end do
+      if (excess <= 0) return
+      do l = 1, lanes
+         if (all(magnitude(g(l, :)) <= limit)) cycle
+         if (status(l) == poinsot_ok) status(l) = poinsot_e_domain
+         g(l, :) = 0
+      end do
+   end subroutine refuse_torque
 
    !> Bits of |x|: they compare like the numbers, and infinite and NaN are at the top. No comparison
    !> of a NaN, which would raise an exception in hosts that trap.

@@ -29,8 +29,8 @@ contains
 
    !> Increments of a step of the Moser-Veselov map with `terms` terms of the preprocessing series:
    !> order 2 terms + 2. POINSOT_E_STEP for h |omega| > pi/2, POINSOT_E_CONVERGENCE if there is no
-   !> root below 90 degrees a step: that of the plain map ends at h |omega| = 1 for a sphere, between
-   !> 1 and 1.5 for other bodies; with terms there is one up to pi/2.
+   !> root below 90 degrees a step: that of the plain map ends at h |omega| = 1 for a sphere,
+   !> between 1 and 1.5 for other bodies; with terms there is one up to pi/2.
    pure subroutine moser_veselov_increment(class, terms, h, y, q, dy, dq, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                           !! 0 (plain) to 11
@@ -171,7 +171,8 @@ contains
       do k = 1, most
          call newton(stretch, z, kappa, active, e, moved)
          ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
-         where (active > 0 .and. ee < 1 .and. moved <= tolerance(merge(1, 2, k < most))*ee) found = 1
+         where (active > 0 .and. ee < 1 .and. &
+                moved <= tolerance(merge(1, 2, k < most))*ee) found = 1
          active = merge(0.0_dp, active, found > 0 .or. ee > 16)
          if (.not. largest(active) > 0) exit
       end do

@@ -311,9 +311,9 @@ contains
    end subroutine add_skew
 
    !> The Cayley vector: e_i + ratio_i e_j e_k = (1 + |e|^2) z_i, the axial part of the equation
-   !> times (1 + |e|^2)/4, by Newton's method with a number of sweeps fixed beforehand, and for a lane
-   !> that they do not take to its root, where two roots lie close, with more. `found` = 0 where the
-   !> last sweep still moved, or |e| >= 1.
+   !> times (1 + |e|^2)/4, by Newton's method with a number of sweeps fixed beforehand, and for a
+   !> lane that they do not take to its root, where two roots lie close, with more. `found` = 0
+   !> where the last sweep still moved, or |e| >= 1.
    pure subroutine solve(ratio, size, z, e, found)
       real(dp), intent(in) :: ratio(3), size(lanes), z(lanes, 3)
       real(dp), intent(out) :: e(lanes, 3), found(lanes)

@@ -9,7 +9,7 @@ module poinsot_splitting_block_flows
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, add_kick, add_kick_compensated
-   use poinsot_free_limits, only: refuse_speed
+   use poinsot_free_limits, only: refuse_speed, refuse_torque
    use poinsot_free_method, only: free_method, advance
    use poinsot_effect_effect, only: effect_item, torque_effect, flow_effect
    use poinsot_effect_gyrostat, only: gyrostat
@@ -253,6 +253,7 @@ contains
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: t
       integer :: i
+      call refuse_torque(self%class, self%g, self%status)
       do i = 1, 3
          self%delta(:, i) = self%class%inverse(i)*self%g(:, i)
       end do

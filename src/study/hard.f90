@@ -10,7 +10,8 @@ module poinsot_study_hard
    use poinsot_splitting_registry, only: splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names, kind_about, cases_of_kind
    use poinsot_study_hard_kinds, only: way_names
-   use poinsot_study_hard_promises, only: promise_names, promise_bounds, promise_about, broken, measured_nothing
+   use poinsot_study_hard_promises, only: promise_names, promise_bounds, promise_about, &
+      broken, measured_nothing
    use poinsot_study_hard_rows, only: hard_row, measure_rows, find_row, verdict_words, is_case
    use poinsot_study_hard_tops, only: top_names, top_bounds, top_about
    use poinsot_study_tell, only: tell
@@ -28,8 +29,8 @@ module poinsot_study_hard
 contains
 
    !> Everything, or one case, method or splitting in full; tables on `unit`, DIR/hard.csv if there
-   !> is a DIR. Error: POINSOT_E_METHOD for an unknown name, POINSOT_E_IO, POINSOT_E_CONVERGENCE if a
-   !> verdict is bad.
+   !> is a DIR. Error: POINSOT_E_METHOD for an unknown name, POINSOT_E_IO, POINSOT_E_CONVERGENCE if
+   !> a verdict is bad.
    subroutine run_hard(only, folder, unit, error)
       character(*), intent(in) :: only               !! a name; "": everything, as tables
       character(*), intent(in) :: folder             !! where the file goes; "": nowhere
@@ -86,8 +87,8 @@ contains
       type(hard_row), intent(in) :: rows(:)
       character(120) :: line
       integer :: kind, w
-      call tell(unit, "Hard bodies: worst error in units of conditioning (one unit: what moving "// &
-         "inputs by")
+      call tell(unit, "Hard bodies: worst error in units of conditioning (one unit: what "// &
+         "moving inputs by")
       call tell(unit, "1e-16 does), against a Taylor series in quadruple precision")
       do w = 1, size(way_names)
          call tell(unit, "")
@@ -239,7 +240,8 @@ contains
          refused = refused + rows(i)%counts%too_long
          if (.not. rows(i)%good) bad = bad + 1
       end do
-      write (numbers, "(f7.3, 2a)") min(rows(worst)%part, 999.0_dp), " of the bound, ", trim(rows(worst)%case)
+      write (numbers, "(f7.3, 2a)") min(rows(worst)%part, 999.0_dp), &
+         " of the bound, ", trim(rows(worst)%case)
       line = "   "//name//merge("good   ", "BROKEN ", bad == 0)//trim(numbers)
       if (rows(worst)%way == "pieces") line = line//" in pieces"
       if (refused > 0) then
@@ -266,7 +268,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
       character(200) :: line
-      real(dp) :: figure
+      character(9) :: figure
       integer :: i
       call make_folder(folder, error)
       if (.not. raised(error)) call open_out(folder//"/hard.csv", file, error)
@@ -275,11 +277,12 @@ contains
          "figure,part_of_bound,good,verdict", error)
       do i = 1, size(rows)
          associate (row => rows(i), of => rows(i)%counts)
-            figure = merge(-9.0_dp, row%figure, row%figure >= broken)
-            write (line, "(3(a, ','), 3(i0, ','), 4(es9.3, ','), f0.4, ',', i0, ',', 3a)") &
+            figure = ""
+            if (row%figure >= 0 .and. row%figure < broken) write (figure, "(es9.3)") row%figure
+            write (line, "(3(a, ','), 3(i0, ','), 3(es9.3, ','), a, ',', f6.4, ',', i0, ',', 3a)") &
                trim(row%case), trim(row%who), trim(row%way), of%answered, of%too_long, of%other, &
-               of%y, of%q, of%largest, figure, row%part, merge(1, 0, row%good), '"', &
-               verdict_words(row), '"'
+               of%y, of%q, of%largest, trim(figure), min(row%part, 9.0_dp), &
+               merge(1, 0, row%good), '"', verdict_words(row), '"'
          end associate
          call put(file, trim(line), error)
       end do

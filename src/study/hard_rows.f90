@@ -5,7 +5,8 @@ module poinsot_study_hard_rows
    use poinsot_splitting_registry, only: splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names
    use poinsot_study_hard_kinds, only: hard_result, judge_kind, ways, way_names
-   use poinsot_study_hard_promises, only: promise_names, promise_bounds, measure_promise, broken, measured_nothing
+   use poinsot_study_hard_promises, only: promise_names, promise_bounds, measure_promise, &
+      broken, measured_nothing
    use poinsot_study_hard_tops, only: top_names, measure_top, top_bound
    implicit none(type, external)
    private
