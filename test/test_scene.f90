@@ -714,12 +714,44 @@ contains
    !> Command lines and what they print, from test/golden; skipped without POINSOT_APP.
    subroutine test_golden(error)
       type(error_type), allocatable, intent(out) :: error
-      character(*), parameter :: names(16) = [character(20) :: "help", "help-run", "help-hard", &
-         "hard-unknown", "methods", "scenes-one", "effects-gravity", "unknown-command", &
-         "unknown-option", "unknown-scene", "unknown-key", "unknown-method", "bad-moments", &
-         "bad-step", "no-value", "check"]
+      character(*), parameter :: names(16) = [character(20) :: &
+         "help", "help-run", "help-hard", "hard-unknown", "methods", "scenes-one", &
+         "effects-gravity", "unknown-command", "unknown-option", "unknown-scene", "unknown-key", &
+         "unknown-method", "bad-moments", "bad-step", "no-value", "check"]
       character(:), allocatable :: wanted, got, arguments
       integer :: i
+      do i = 1, size(names)
+         call slurp("test/golden/" // trim(names(i)) // ".txt", wanted)
+         call check(error, index(wanted, "$ poinsot "), 1, "no golden output: " // trim(names(i)))
+         if (allocated(error)) return
+         arguments = wanted(11:index(wanted, nl) - 1)
+         call ask_app(arguments, got, error)
+         if (allocated(error)) return
+         call check(error, got == wanted(index(wanted, nl) + 1:), "poinsot " // arguments // &
+            " prints:" // nl // got)
+         if (allocated(error)) return
+      end do
+   end subroutine test_golden
+
+   !> docs/scenes.md holds what `poinsot keys` prints; skipped without POINSOT_APP.
+   subroutine test_keys(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: page, got, tables
+      call ask_app("keys", got, error)
+      if (allocated(error)) return
+      call slurp("docs/scenes.md", page)
+      tables = got(:index(got, "exit 0") - 1)
+      call check(error, len(tables) > 1000 .and. index(page, tables) > 0, &
+                 "docs/scenes.md does not hold what `poinsot keys` prints now:" // nl // tables)
+   end subroutine test_keys
+
+   !> What the program named by POINSOT_APP prints, its exit code in the last line.
+   subroutine ask_app(arguments, got, error)
+      character(*), intent(in) :: arguments
+      character(:), allocatable, intent(out) :: got
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: app
+      integer :: length, state, code
       call get_environment_variable("POINSOT_APP", length=length)
       if (length == 0) then
          call skip_test(error, "POINSOT_APP does not name the program")
