@@ -177,11 +177,12 @@ part_coverage() {
    chosen=$(echo "$every" | sed 's/choose //')
    suites coverage
    $folder/check choose >$out/coverage.choose.log 2>&1 # not judged: it has budgets by the clock, and this build is slow
-   for source in test/c/abuse.c test/consumer/consumer.c example/c/heavy_top.c example/fixed/molecules.f; do
+   for source in test/c/abuse.c test/consumer/consumer.c example/c/heavy_top.c example/fixed/molecules.f \
+      example/fortran/heavy_top.f90 test/consumer/consumer.f90; do
       object=$folder/$(basename $source)
       case $source in
       *.c) "$CC" -g -Iinclude -c $source -o $object.object ;;
-      *) "$FC" -g -c $source -o $object.object ;;
+      *) "$FC" -g -I $folder -c $source -o $object.object ;;
       esac && link coverage "$flags" $(basename $source).run $object.object $folder/src_*.o
       reach $source $object.run
    done
