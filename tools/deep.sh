@@ -195,7 +195,7 @@ part_coverage() {
    reach hairer $app reproduce hairer-vilmart --no-pictures --out $results/hairer
    reach fasso $app reproduce fasso --no-pictures --out $results/fasso
    reach celledoni $app reproduce celledoni --budget 6s --no-pictures --out $results/celledoni
-   for scene in $($app scenes | sed -n 's/^\([a-z][a-z-]*\) .*/\1/p'); do
+   for scene in $(ls scenes | sed 's/\.nml$//'); do
       [ "$scene" = large-ensemble ] || reach "$scene" $app run "$scene" --no-pictures --out $results/$scene
    done
    POINSOT_APP=$PWD/build/stage/bin/poinsot
