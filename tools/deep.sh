@@ -177,11 +177,12 @@ part_coverage() {
    chosen=$(echo "$every" | sed 's/choose //')
    suites coverage
    $folder/check choose >$out/coverage.choose.log 2>&1 # not judged: it has budgets by the clock, and this build is slow
-   for source in test/c/abuse.c test/consumer/consumer.c example/c/heavy_top.c example/fixed/molecules.f; do
+   for source in test/c/abuse.c test/consumer/consumer.c example/c/heavy_top.c example/fixed/molecules.f \
+      example/fortran/heavy_top.f90 test/consumer/consumer.f90; do
       object=$folder/$(basename $source)
       case $source in
       *.c) "$CC" -g -Iinclude -c $source -o $object.object ;;
-      *) "$FC" -g -c $source -o $object.object ;;
+      *) "$FC" -g -I $folder -c $source -o $object.object ;;
       esac && link coverage "$flags" $(basename $source).run $object.object $folder/src_*.o
       reach $source $object.run
    done
@@ -194,7 +195,7 @@ part_coverage() {
    reach hairer $app reproduce hairer-vilmart --no-pictures --out $results/hairer
    reach fasso $app reproduce fasso --no-pictures --out $results/fasso
    reach celledoni $app reproduce celledoni --budget 6s --no-pictures --out $results/celledoni
-   for scene in $($app scenes | sed -n 's/^\([a-z][a-z-]*\) .*/\1/p'); do
+   for scene in $(ls scenes | sed 's/\.nml$//'); do
       [ "$scene" = large-ensemble ] || reach "$scene" $app run "$scene" --no-pictures --out $results/$scene
    done
    POINSOT_APP=$PWD/build/stage/bin/poinsot
