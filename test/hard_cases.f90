@@ -124,6 +124,7 @@ contains
       gap = max(momentum_distance(real(y, qp), truth%y), attitude_distance(real(q, qp), truth%q))
       may = allowed_error(method, abs(turn))
       ! what three-rotations moves into a thin body's axis turns it there
+      if (method == 1 .and. thin > 3) may = min(2.0_dp, may*thin/3)
       if (method == 1 .and. thin > 10) may = min(2.0_dp, max(may, thin*turn**2))
       cond = 1
       if (gap > may + 4e-16_dp) cond = condition_of(body, h, truth)

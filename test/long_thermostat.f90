@@ -48,7 +48,7 @@ contains
       real(dp) :: histogram(bins, 4)
       character(12) :: word
       integer :: i, j, k, number, status, freedom
-      integer(i8) :: apart, close, step
+      integer(i8) :: apart, near, step
       write (word, "(i0)") seed
       call add_class(plan, moments, number, error)
       call set_option(plan, "splitting", "strang", error)
@@ -65,15 +65,15 @@ contains
       call view_rows(y, q, view)
       freedom = count(moments > 0)
       apart = nint(8*maxval(moments)/(friction*h), i8)
-      close = 5
+      near = 5
       histogram = 0
       step = 0
       do k = 0, samples
          call step_bodies(plan, view, 0.0_dp, h, step, apart, status, error)
          step = step + apart
          before = y
-         call step_bodies(plan, view, 0.0_dp, h, step, close, status, error)
-         step = step + close
+         call step_bodies(plan, view, 0.0_dp, h, step, near, status, error)
+         step = step + near
          found%good = status == poinsot_ok .and. .not. raised(error)
          if (.not. found%good) return
          if (k == 0) cycle ! from rest: not yet warm

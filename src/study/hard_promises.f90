@@ -73,8 +73,9 @@ contains
          case default; one = no_unit(name, b)
          end select
          ! its roundings grow like the largest moment over the smallest: a thin body counts for less
-         if (name == "three-rotations" .and. b == thin_body .and. one < broken) &
+         if (name == "three-rotations" .and. b == thin_body .and. one < broken) then
             one = one*minval(moments(:, b))/maxval(moments(:, b))
+         end if
          figure = max(figure, one)
       end do
    end function measure_promise
@@ -214,8 +215,8 @@ contains
          y = momenta(:, b)
          q = start
          call turn_one(name, moments(:, b), steps(k), 2, y, q, status)
-         if (.not. far(status) .or. any(abs(y - momenta(:, b)) > 0) .or. any(abs(q - start) > 0)) &
-            figure = broken
+         if (.not. far(status)) figure = broken
+         if (any(abs(y - momenta(:, b)) > 0) .or. any(abs(q - start) > 0)) figure = broken
       end do
    end function too_far
 
@@ -254,8 +255,8 @@ contains
          if (k > 6) q(2) = factors(k)
          kept = q
          call rotate_one(name, b, q, status)
-         if (status /= poinsot_e_domain .or. any(transfer(q, [0, 0]) /= transfer(kept, [0, 0]))) &
-            figure = broken
+         if (status /= poinsot_e_domain) figure = broken
+         if (any(transfer(q, [0, 0]) /= transfer(kept, [0, 0]))) figure = broken
       end do
    end function no_unit
 

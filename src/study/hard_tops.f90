@@ -119,8 +119,8 @@ contains
       q = [1.0_dp, start, 0.0_dp, 0.0_dp]
       call run(scheme, "gravity", weight, 0.05_dp, 200, y, q, status)
       figure = broken
-      if (status == poinsot_ok .and. all(ieee_is_finite([y, q]))) &
-         figure = 2*norm2(q(2:3))/1e-16_dp
+      if (status /= poinsot_ok .or. .not. all(ieee_is_finite([y, q]))) return
+      figure = 2*norm2(q(2:3))/1e-16_dp
    end function tilt
 
    real(dp) function there_and_back(scheme) result(figure)
