@@ -192,6 +192,10 @@ part_coverage() {
    reach cost $app cost heavy-top --budget 6s --methods exact,dmv6 --splittings strang,srkn4 --no-pictures --out $results/cost \
       --rivals $out/rivals.csv
    reach choose $app choose heavy-top --tol 1e-4 --budget 20s --out $results/chosen.nml
+   for command in keys methods splittings effects scenes "hard --out $results/hard" "properties --out $results/properties" \
+      "reproduce review --no-pictures --out $results/review"; do
+      reach "${command%% *}" $app $command
+   done
    reach hairer $app reproduce hairer-vilmart --no-pictures --out $results/hairer
    reach fasso $app reproduce fasso --no-pictures --out $results/fasso
    reach celledoni $app reproduce celledoni --budget 6s --no-pictures --out $results/celledoni
