@@ -89,7 +89,7 @@ contains
             "   celledoni        when the exact rotor pays inside a splitting (SIAM J. Sci.", &
             "                    Comput. 30, 2084, 2008); takes --budget, default 120s", &
             "", &
-            "Prints what was found; numbers as CSV, pictures by gnuplot, in DIR of --out (default", &
+            "Prints what was found; numbers as CSV, pictures by gnuplot, in DIR (default", &
             "poinsot-out/FIGURE). --no-pictures, --quiet as in cost."])
       case ("properties")
          call put([character(100) :: &

@@ -117,6 +117,8 @@ contains
          d(2) = d(1)*(1 + 1e-10_dp)     ! nearly symmetric
       case (3)
          d = [1.0_dp, 0.0_dp, 0.0_dp]   ! linear
+      case default
+         continue                       ! generic
       end select
       moments = [d(2) + d(3), d(3) + d(1), d(1) + d(2)]
    end function some_body

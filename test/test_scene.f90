@@ -598,8 +598,8 @@ contains
       stop_now = self%looks > 3
    end function stop_now
 
-   !> Stopped between two outputs: readable trajectory, summary says so, continuation to the bit; for
-   !> a splitting whose calls have ends that round, too.
+   !> Stopped between two outputs: readable trajectory, summary says so, continuation to the bit;
+   !> for a splitting whose calls have ends that round, too.
    subroutine test_interrupt(error)
       type(error_type), allocatable, intent(out) :: error
       call stop_and_go_on("strang", error)

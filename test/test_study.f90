@@ -3,6 +3,7 @@
 module test_study
    use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
    use poinsot_core_kinds, only: dp, i8, qp
+   use poinsot_core_status, only: poinsot_e_io
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_override, only: override
@@ -21,6 +22,7 @@ module test_study
    use poinsot_study_labels, only: label_list, label_place, take_curve, place_label
    use poinsot_study_members, only: member_set, draw_members, any_direction
    use poinsot_study_quadruple, only: turn_freely
+   use poinsot_study_rivals, only: rival_point, read_rivals, rival_names, rival_time
    use poinsot_study_statistics, only: median, quantile, line_slope
    implicit none(type, external)
    private
@@ -45,6 +47,8 @@ contains
          new_unittest("cost of a top: orders, against the published state", top_cost), &
          new_unittest("cost: unknown names are refused", unknown_names), &
          new_unittest("frontier and its names", names_of_frontier), &
+         new_unittest("rivals from files", rivals_read), &
+         new_unittest("rivals: damaged files are refused", rivals_refused), &
          new_unittest("labels lie beside curves, not on each other", labels_apart), &
          new_unittest("a curve ends where rounding begins", curve_ends)]
    end subroutine collect_study
@@ -336,6 +340,58 @@ contains
       if (allocated(error)) return
       call check(error, all(parts%candidate == [1, 2]), "from coarse to fine")
    end subroutine names_of_frontier
+
+   !> Two files with one line too many at their ends; the least time within a tolerance.
+   subroutine rivals_read(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(rival_point), allocatable :: points(:)
+      character(32), allocatable :: names(:)
+      type(poinsot_error) :: failure
+      call put_file("build/test-rivals-1.csv", "name,setting,angle,worst,momentum,worst,ns"// &
+         new_line("a")//"euler,0.1,1e-2,2e-2,1e-3,2e-3,50"//new_line("a")// &
+         "euler,0.01,1e-4,2e-4, 1e-3 ,2e-3,500"//new_line("a")//new_line("a"))
+      call put_file("build/test-rivals-2.csv", "name"//new_line("a")// &
+         "verlet,0.1,1e-5,2e-5,1e-6,2e-6,70"//new_line("a")//"euler,1,1e-2,1,1e-3,1,40")
+      call read_rivals("build/test-rivals-1.csv,,build/test-rivals-2.csv", points, failure)
+      call check(error, .not. raised(failure) .and. size(points) == 4, "four points")
+      if (allocated(error)) return
+      call rival_names(points, names)
+      call check(error, size(names) == 2 .and. names(1) == "euler" .and. names(2) == "verlet", &
+         "two names")
+      if (allocated(error)) return
+      call check(error, all(abs([rival_time(points, "euler", 0.01_dp) - 40, &
+         rival_time(points, "euler", 0.005_dp) - 500, rival_time(points, "euler", 1e-4_dp), &
+         rival_time(points, "verlet", 1e-5_dp) - 70, rival_time(points, "none", 1.0_dp)]) <= 0), &
+         "the least time")
+   end subroutine rivals_read
+
+   subroutine rivals_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: file = "build/test-rivals-3.csv"
+      character(*), parameter :: lines(5) = [character(40) :: "euler", ",0.1,1,1,1,1,1", &
+         "euler,0.1,1,1,1,1", "euler,0.1,1,one,1,1,1", "euler,0.1,1,,1,1,1"]
+      type(rival_point), allocatable :: points(:)
+      type(poinsot_error) :: failure
+      integer :: i
+      call read_rivals("build/no-such-file.csv", points, failure)
+      call check(error, failure%code, poinsot_e_io)
+      do i = 1, size(lines)
+         if (allocated(error)) return
+         call put_file(file, "name"//new_line("a")//trim(lines(i))//new_line("a"))
+         failure = poinsot_error()
+         call read_rivals(file, points, failure)
+         call check(error, failure%code == poinsot_e_io .and. &
+            index(failure%message, file//":2") > 0, "taken: "//trim(lines(i)))
+      end do
+   end subroutine rivals_refused
+
+   subroutine put_file(name, text)
+      character(*), intent(in) :: name, text
+      integer :: unit
+      open (newunit=unit, file=name, access="stream", status="replace", action="write")
+      write (unit) text
+      close (unit)
+   end subroutine put_file
 
    !> Twelve names for a bundle of twelve curves.
    subroutine labels_apart(error)

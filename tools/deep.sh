@@ -177,22 +177,29 @@ part_coverage() {
    chosen=$(echo "$every" | sed 's/choose //')
    suites coverage
    $folder/check choose >$out/coverage.choose.log 2>&1 # not judged: it has budgets by the clock, and this build is slow
-   for source in test/c/abuse.c test/consumer/consumer.c example/c/heavy_top.c example/fixed/molecules.f; do
+   for source in test/c/abuse.c test/consumer/consumer.c example/c/heavy_top.c example/fixed/molecules.f \
+      example/fortran/heavy_top.f90 test/consumer/consumer.f90; do
       object=$folder/$(basename $source)
       case $source in
       *.c) "$CC" -g -Iinclude -c $source -o $object.object ;;
-      *) "$FC" -g -c $source -o $object.object ;;
+      *) "$FC" -g -I $folder -c $source -o $object.object ;;
       esac && link coverage "$flags" $(basename $source).run $object.object $folder/src_*.o
       reach $source $object.run
    done
    app="$folder/poinsot"
    results=$folder/out
-   reach cost $app cost heavy-top --budget 6s --methods exact,dmv6 --splittings strang,srkn4 --no-pictures --out $results/cost
+   printf '%s\n' name,setting,angle,worst,momentum,worst,ns euler,0.1,1e-2,2e-2,1e-2,2e-2,50 >$out/rivals.csv
+   reach cost $app cost heavy-top --budget 6s --methods exact,dmv6 --splittings strang,srkn4 --no-pictures --out $results/cost \
+      --rivals $out/rivals.csv
    reach choose $app choose heavy-top --tol 1e-4 --budget 20s --out $results/chosen.nml
+   for command in keys methods splittings effects scenes "hard --out $results/hard" "properties --out $results/properties" \
+      "reproduce review --no-pictures --out $results/review"; do
+      reach "${command%% *}" $app $command
+   done
    reach hairer $app reproduce hairer-vilmart --no-pictures --out $results/hairer
    reach fasso $app reproduce fasso --no-pictures --out $results/fasso
    reach celledoni $app reproduce celledoni --budget 6s --no-pictures --out $results/celledoni
-   for scene in $($app scenes | sed -n 's/^\([a-z][a-z-]*\) .*/\1/p'); do
+   for scene in $(ls scenes | sed 's/\.nml$//'); do
       [ "$scene" = large-ensemble ] || reach "$scene" $app run "$scene" --no-pictures --out $results/$scene
    done
    POINSOT_APP=$PWD/build/stage/bin/poinsot

@@ -130,8 +130,8 @@ contains
       parity = -parity
    end subroutine exchange
 
-   !> Largest (h |omega|)^2 = s for which the errors of each level's series stay below a quarter of a
-   !> rounding error.
+   !> Largest (h |omega|)^2 = s for which the errors of each level's series stay below a quarter of
+   !> a rounding error.
    !>
    !> They are bounded degree by degree, on p + r <= s, the bound of (h |omega|)^2 over the whole
    !> motion (reached where omega2 = 0): of the first level the Bernstein coefficients of the parts

@@ -1,11 +1,11 @@
 !> The series of the exact step cut short at less cost than leaving terms out.
 !>
 !> On p, r >= 0, p + r <= s a homogeneous part F of degree n is nearly a polynomial of lower degree.
-!> With p = x^2, r = y^2 the triangle is a disc, and (x cos(t) + y sin(t))^(2n) is approximated there
-!> as tau^n is on [0, 1]: by b_k tau^k with error e. F is a sum of such powers, so that the same b_k
-!> serve: because the Laplacian takes each power to the next lower even one, F becomes sum_k b_k
-!> s^(n-k) (2k)!/(2n)! Laplacian^(n-k) F, with error at most e s^n times the sum of |weights|. For
-!> p^i r^j that sum is 1 (Gearhart 1973, J. Approx. Theory 8, 195).
+!> With p = x^2, r = y^2 the triangle is a disc, and (x cos(t) + y sin(t))^(2n) is approximated
+!> there as tau^n is on [0, 1]: by b_k tau^k with error e. F is a sum of such powers, so that the
+!> same b_k serve: because the Laplacian takes each power to the next lower even one, F becomes
+!> sum_k b_k s^(n-k) (2k)!/(2n)! Laplacian^(n-k) F, with error at most e s^n times the sum of
+!> |weights|. For p^i r^j that sum is 1 (Gearhart 1973, J. Approx. Theory 8, 195).
 !>
 !> The degrees kept begin at 5, not at 0: the shorter series of the small steps stays as it is, and
 !> the error vanishes like s^5 for them.
@@ -76,8 +76,8 @@ contains
       part(n) = 0
    end subroutine lower
 
-   !> A bound of the error that the part of degree n leaves on p + r = 1: not more than economy_bound
-   !> s^n on p + r <= s.
+   !> A bound of the error that the part of degree n leaves on p + r = 1: not more than
+   !> economy_bound s^n on p + r <= s.
    pure real(dp) function economy_bound(c, n)
       real(dp), intent(in) :: c(0:max_degree, 0:max_degree)
       integer, intent(in) :: n                              !! degree, above last_kept

@@ -5,7 +5,7 @@
 !> moment: SI molecules have I near 1e-46.
 module poinsot_body_moments
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, i8
    use poinsot_core_status, only: poinsot_e_domain
    use poinsot_core_error, only: poinsot_error, raise
    implicit none(type, external)
@@ -88,10 +88,13 @@ contains
       character(24) :: digits
       real(dp) :: back
       integer :: code
+      write (digits, "(es24.16e3)") number
+      text = trim(adjustl(digits))
+      if (.not. ieee_is_finite(number)) return
       write (digits, "(g0.6)") number
       read (digits, *, iostat=code) back
-      if (code /= 0) back = number + 1
-      if (abs(back - number) > 0) write (digits, "(es24.16e3)") number
+      if (code /= 0) return
+      if (transfer(back, 0_i8) /= transfer(number, 0_i8)) return
       text = trim(adjustl(digits))
       if (scan(text, "Ee") > 0 .or. index(text, ".") == 0) return
       do while (text(len(text):) == "0" .and. text(len(text) - 1:len(text) - 1) /= ".")

@@ -43,9 +43,9 @@ module poinsot_body_universal
       3.356305835943844994e-6_dp, -3.593916746848259182e-6_dp, zeros(1:12)], [max_degree + 1, &
          half_degree + 1])
 
-   !> Degrees 5 to 7 of T for X + Z <= economy_range, with what they take over from the higher ones as
-   !> in poinsot_body_economy: `high_sine(m, j)` multiplies e^(5-2j+m) f^j; the last column belongs to
-   !> 0, f^3 and e f^3.
+   !> Degrees 5 to 7 of T for X + Z <= economy_range, with what they take over from the higher ones
+   !> as in poinsot_body_economy: `high_sine(m, j)` multiplies e^(5-2j+m) f^j; the last column
+   !> belongs to 0, f^3 and e f^3.
    real(dp), parameter :: economy_range = 0.07_dp
    real(dp), parameter :: high_sine(0:2, 0:3) = reshape([ &
       -4.275501567513104179e-6_dp, 9.335753898090805955e-8_dp, -6.279803052720815862e-10_dp, &

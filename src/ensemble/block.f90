@@ -146,9 +146,9 @@ contains
       end do
    end subroutine rest
 
-   !> Put lanes at rest whose momenta are not finite or beyond a limit, or whose quaternion is not of
-   !> unit norm. Bits are compared: a comparison with a NaN would raise an exception in hosts that
-   !> trap. A component of q above 2 counts as 2, so that its square is a number.
+   !> Put lanes at rest whose momenta are not finite or beyond a limit, or whose quaternion is not
+   !> of unit norm. Bits are compared: a comparison with a NaN would raise an exception in hosts
+   !> that trap. A component of q above 2 counts as 2, so that its square is a number.
    pure subroutine refuse(columns, limit, p, q, status)
       integer, intent(in) :: columns                !! of p, 3 or 4
       real(dp), intent(in) :: limit(4)

@@ -114,7 +114,7 @@ contains
          else
             call store_block(host, classes(c), axes(:, c), job%keep_momentum, job%keep_attitude, b)
          end if
-         failed = failed .or. any(b%status(1:n) /= poinsot_ok) ! noise may drive padding out of range
+         failed = failed .or. any(b%status(1:n) /= poinsot_ok) ! padding may fail: it has noise too
       end do
    end subroutine run_chunk
 

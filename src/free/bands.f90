@@ -1,7 +1,8 @@
 !> The series of the exact step in two bands of degrees: 1 + P, 1 + R and T.
 !>
-!> A lane that needs the second band takes the sum of both, the others the first alone: a lane's bits
-!> do not depend on the lanes beside it, and a block in which lanes differ computes nothing twice.
+!> A lane that needs the second band takes the sum of both, the others the first alone: a lane's
+!> bits do not depend on the lanes beside it, and a block in which lanes differ computes nothing
+!> twice.
 module poinsot_free_bands
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class

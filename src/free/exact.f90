@@ -43,8 +43,8 @@ contains
       real(dp), intent(in) :: sizes(lanes), h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: parts(lanes), step(lanes), above, w(lanes, 3), p(lanes), r(lanes), ddy(lanes, 3), &
-         ddq(lanes, 4)
+      real(dp) :: parts(lanes), step(lanes), above, w(lanes, 3), p(lanes), r(lanes)
+      real(dp) :: ddy(lanes, 3), ddq(lanes, 4)
       integer :: k
 
       parts = 1

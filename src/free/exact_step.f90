@@ -98,9 +98,9 @@ contains
       end do
    end subroutine both_ends
 
-   !> The rotation of the step, in sorted axes: v = sin(angle) axis, half = cos(angle/2), root = 1/(2
-   !> half). `slip` is what the momentum about the axis of the smallest moment loses, over root^2 (2
-   !> y3 + dy3).
+   !> The rotation of the step, in sorted axes: v = sin(angle) axis, half = cos(angle/2), root =
+   !> 1/(2 half). `slip` is what the momentum about the axis of the smallest moment loses, over
+   !> root^2 (2 y3 + dy3).
    pure subroutine rotation_of_step(class, ps, rs, v, half, root, slip)
       type(body_class), intent(in) :: class
       real(dp), intent(in), dimension(lanes) :: ps, rs
@@ -125,12 +125,12 @@ contains
    end subroutine rotation_of_step
 
    !> The increments that a rotation gives: R^T y - y and q o (rho - 1), rho = (half, root v). The
-   !> momentum about the axis of the smallest moment changes by an increment with its small factor in
-   !> front.
+   !> momentum about the axis of the smallest moment changes by an increment with its small factor
+   !> in front.
    !>
-   !> All in sorted axes, the columns of y and q exchanged. Where the order of axes is odd, y and the
-   !> vector part of q are then minus what they are in a right-handed frame; that shows only where v
-   !> meets the scalar part of q.
+   !> All in sorted axes, the columns of y and q exchanged. Where the order of axes is odd, y and
+   !> the vector part of q are then minus what they are in a right-handed frame; that shows only
+   !> where v meets the scalar part of q.
    pure subroutine turn(class, v, half, root, slip, y, q, dy, dq)
       type(body_class), intent(in) :: class
       real(dp), intent(in), dimension(lanes) :: half, root, slip

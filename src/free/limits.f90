@@ -32,10 +32,10 @@ contains
       end do
    end subroutine refuse_speed
 
-   !> Lanes whose torque a force gradient cannot square, g g/I beyond 1e300, get POINSOT_E_DOMAIN
-   !> and no torque.
+   !> Lanes whose torque a force gradient cannot square, g g/I beyond 1e300, or is no number, get
+   !> POINSOT_E_DOMAIN and no torque.
    pure subroutine refuse_torque(class, g, status)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in) :: class          !! of these bodies
       real(dp), intent(inout) :: g(lanes, 3)         !! body torque
       integer, intent(inout) :: status(lanes)
       integer(i8) :: limit, excess

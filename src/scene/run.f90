@@ -297,8 +297,8 @@ contains
    end function time_in
 
    !> The steps of one piece, in chunks between looks at the watch. Bits do not depend on where
-   !> chunks end, but for a splitting with a processor, which works at both ends of each: there their
-   !> length is fixed, and no matter of the clock.
+   !> chunks end, but for a splitting with a processor, which works at both ends of each: there
+   !> their length is fixed, and no matter of the clock.
    subroutine march_piece(scene, part, done, run, watch, crew, report, error)
       type(scene_settings), intent(in) :: scene
       type(piece), intent(in) :: part

@@ -95,8 +95,8 @@ contains
             outers = outers + 1
          class is (gyrostat)
             if (class%sorted(1) <= 0 .and. any(abs(one%rotor) > 0)) then
-               call raise(error, poinsot_e_domain, "effect 'gyrostat': a linear body, which has " // &
-                  "a moment of zero, holds no rotor; name another class by key 'class'")
+               call raise(error, poinsot_e_domain, "effect 'gyrostat': a linear body, which " // &
+                  "has a moment of zero, holds no rotor; name another class by key 'class'")
                return
             end if
             call add_wheel(self, one, scheme%order)

@@ -39,7 +39,7 @@ contains
       call start_plot(name, trim(scene%name) // ": error against step", file, error)
       call put(file, "set label '" // &
                either("exact rotation; ", "", size(study%candidates) > few) // &
-               "slopes beside the names, one colour an order' at graph 1, graph 1.05 right " // &
+               "names with their slopes' at graph 1, graph 1.05 right " // &
                "tc rgb '#606060' font ',10'", error)
       call put_axes(file, x, y, "step h", "error in attitude, radians, at t = " // &
                     short_time(study%t_end) // " (median)", error)

@@ -58,8 +58,7 @@ contains
       if (raised(error)) return
       call put_front(file, study, what, error)
       call put_rivals(file, study, what, rivals, error)
-      call start_plot(name, trim(scene%name) // ": what accuracy of the " // &
-                      either("attitude", "momentum", what == of_angle) // " costs", file, error)
+      call start_plot(name, trim(scene%name) // ": what accuracy costs", file, error)
       call put(file, "set label 'band: our fastest for each accuracy' at graph 1, graph 1.05" // &
                " right tc rgb '#606060' font ',10'", error)
       call put_axes(file, picture%x, picture%y, "error in " // &

@@ -167,12 +167,12 @@ contains
          call put(file, "unset label; unset arrow", error)
          if (body == 1) then
             call put_lines(file, [character(80) :: &
-               "set lmargin at screen 0.085; set rmargin at screen 0.5", &
+               "set lmargin at screen 0.11; set rmargin at screen 0.515", &
                "set ylabel 'error in attitude at t = 10, radians'", &
                "set label 'moments 0.6, 0.8, 1' at graph 0, graph 1.05 font ',13'"], error)
          else
             call put_lines(file, [character(80) :: &
-               "set lmargin at screen 0.565; set rmargin at screen 0.98; unset ylabel", &
+               "set lmargin at screen 0.58; set rmargin at screen 0.985; unset ylabel", &
                "set label 'moments 0.345, 0.653, 1' at graph 0, graph 1.05 font ',13'"], error)
          end if
          call name_curves(file, found, body, x, y, error)
