@@ -17,7 +17,7 @@ module poinsot_study_hard_rows
       character(11) :: case = ""
       character(20) :: who = ""          !! method, or splitting
       character(6) :: way = ""           !! whole, pieces; "" where there is one way only
-      type(hard_result) :: counts        !! answers and refusals of a kind of bodies
+      type(hard_result) :: counts = hard_result() !! answers and refusals of a kind of bodies
       real(dp) :: figure = 0             !! worst error, in conditioning units or in 1e-16
       real(dp) :: part = 0               !! over the bound; above 1: broken
       logical :: good = .true.
