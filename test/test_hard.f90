@@ -184,8 +184,8 @@ contains
       type(worst_errors) :: worst(methods)
       integer :: m, o, pass
       do pass = 1, passes
-         call judge_list(error, list, [(1 + mod(o + pass, 6), o=1, 6)], [1e-3_dp, 0.1_dp, -0.5_dp, -1.0_dp, 1.4_dp, 3.0_dp, &
-            -10.0_dp], 10.0_dp, worst)
+         call judge_list(error, list, [(1 + mod(o + pass, 6), o=1, 6)], [1e-3_dp, 0.1_dp, &
+            -0.5_dp, -1.0_dp, 1.4_dp, 3.0_dp, -10.0_dp], 10.0_dp, worst)
          if (allocated(error)) return
       end do
       do m = 1, methods
