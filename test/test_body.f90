@@ -115,8 +115,8 @@ contains
       call refused(error, refusal, poinsot_e_domain, "I1 is not finite")
       call check_moments([1e-310_dp, 1e-310_dp, 1e-310_dp], refusal)
       call refused(error, refusal, poinsot_e_domain, "I1 is too small")
-      call check_moments([0.25_dp, 0.5_dp, 4._dp], refusal)
-      call refused(error, refusal, poinsot_e_domain, "(0.25, 0.5, 4.0)")
+      call check_moments([1.25_dp, 2.5_dp, 4._dp], refusal)
+      call refused(error, refusal, poinsot_e_domain, "(1.25, 2.5, 4.0)")
    end subroutine test_refused
 
    !> Every kind, at every scale and in every order of the axes.
