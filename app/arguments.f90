@@ -2,7 +2,7 @@
 module app_arguments
    implicit none(type, external)
    private
-   public :: word, word_list, command_words, option_value, is_option
+   public :: word, word_list, command_words, option_value, is_option, append_word
 
    !> One word.
    type :: word
@@ -55,5 +55,16 @@ contains
          found = .false.
       end if
    end subroutine option_value
+
+   !> A list with one more text.
+   subroutine append_word(list, text)
+      type(word), allocatable, intent(inout) :: list(:)
+      character(*), intent(in) :: text
+      type(word), allocatable :: more(:)
+      allocate (more(size(list) + 1))
+      more(:size(list)) = list
+      more(size(more))%text = text
+      call move_alloc(more, list)
+   end subroutine append_word
 
 end module app_arguments

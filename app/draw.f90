@@ -8,23 +8,27 @@ module app_draw
 
 contains
 
-   !> Draw plot_NAME.gp of a folder, where gnuplot is found; what it has to say goes to gnuplot.log.
+   !> Draw plot_NAME.gp of a folder, where gnuplot is found; what it complains of stays in
+   !> plot_NAME.log.
    subroutine draw_pictures(names, out, quiet)
       character(*), intent(in) :: names(:), out
       logical, intent(in) :: quiet
+      character(:), allocatable :: script
       integer :: i, state, code
+      if (size(names) == 0) return
       call execute_command_line("gnuplot --version >/dev/null 2>&1", exitstat=state, cmdstat=code)
       if (state /= 0 .or. code /= 0) then
          if (.not. quiet) call say("gnuplot is not here; plot_*.gp draw the pictures where it is")
          return
       end if
       do i = 1, size(names)
-         call execute_command_line("cd " // escaped(out) // " && gnuplot plot_" // &
-                                   trim(names(i)) // ".gp >gnuplot.log 2>&1 && rm -f gnuplot.log", &
+         script = "plot_" // trim(names(i))
+         call execute_command_line("cd " // escaped(out) // " && gnuplot " // script // ".gp >" // &
+                                   script // ".log 2>&1 && rm -f " // script // ".log", &
                                    exitstat=state, cmdstat=code)
          if (state /= 0 .or. code /= 0) then
-            call complain("gnuplot failed on plot_" // trim(names(i)) // &
-               ".gp; see gnuplot.log beside it")
+            call complain("gnuplot failed on " // script // ".gp; see " // script // &
+               ".log beside it")
          else if (.not. quiet) then
             call say("picture   " // trim(names(i)) // ".svg, " // trim(names(i)) // ".png")
          end if

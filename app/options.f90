@@ -3,7 +3,7 @@ module app_options
    use poinsot_core_kinds, only: dp
    use poinsot_scene_number, only: parse_real, number_ok
    use poinsot_scene_text, only: joined, text_of
-   use app_arguments, only: word, word_list, option_value, is_option
+   use app_arguments, only: word, word_list, option_value, is_option, append_word
    use app_find_scene, only: shipped_scenes
    use app_run, only: unknown_option
    use app_terminal, only: complain
@@ -116,16 +116,6 @@ contains
          return ! known options all have their case
       end select
    end subroutine take
-
-   subroutine append_word(list, text)
-      type(word), allocatable, intent(inout) :: list(:)
-      character(*), intent(in) :: text
-      type(word), allocatable :: more(:)
-      allocate (more(size(list) + 1))
-      more(:size(list)) = list
-      more(size(more))%text = text
-      call move_alloc(more, list)
-   end subroutine append_word
 
    !> "60", "60s", "2m", "1500ms" as seconds, 0.1 to 86400; complains itself.
    subroutine seconds_of(command, text, seconds, good)

@@ -4,7 +4,7 @@ module app_run
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: nearest_name
    use poinsot_core_status, only: poinsot_e_io
-   use poinsot_scene_text, only: text_of, quoted, escaped, joined
+   use poinsot_scene_text, only: text_of, quoted, joined
    use poinsot_scene_source, only: scene_source
    use poinsot_scene_reader, only: read_source
    use poinsot_scene_override, only: override
@@ -16,8 +16,9 @@ module app_run
    use poinsot_scene_pictures, only: picture_names
    use poinsot_scene_summary, only: run_report
    use poinsot_study_auto, only: settle
-   use app_arguments, only: word, word_list, option_value, is_option
+   use app_arguments, only: word, word_list, option_value, is_option, append_word
    use app_codes, only: exit_ok, exit_runtime, exit_usage, exit_of_run
+   use app_draw, only: draw_pictures, show_file
    use app_find_scene, only: find_scene, missing_scene, shipped_scenes
    use app_progress, only: progress_watch
    use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
@@ -115,16 +116,6 @@ contains
       end do
    end subroutine read_options
 
-   subroutine append_word(list, text)
-      type(word), allocatable, intent(inout) :: list(:)
-      character(*), intent(in) :: text
-      type(word), allocatable :: more(:)
-      allocate (more(size(list) + 1))
-      more(:size(list)) = list
-      more(size(more))%text = text
-      call move_alloc(more, list)
-   end subroutine append_word
-
    !> Say that an option is not known.
    subroutine unknown_option(command, name, options)
       character(*), intent(in) :: command, name
@@ -205,6 +196,7 @@ contains
       type(progress_watch) :: watch
       type(run_report) :: report
       type(poinsot_error) :: error
+      character(16), allocatable :: names(:) !! of pictures
       character(:), allocatable :: out
       out = options%out
       if (len(out) == 0) out = "poinsot-out/" // scene%name
@@ -233,7 +225,10 @@ contains
          if (crew%number > 0) return
       end if
       if (.not. options%quiet) call show_file(out // "/summary.txt")
-      if (options%pictures) call draw(scene, out, options%quiet)
+      if (options%pictures) then
+         call picture_names(scene, names)
+         call draw_pictures(names, out, options%quiet)
+      end if
       if (.not. options%quiet) call say("written to " // out)
    end subroutine run_it
 
@@ -266,49 +261,5 @@ contains
       end do
       name = trim(letters)
    end subroutine tell_name
-
-   !> A text file on standard output.
-   subroutine show_file(file)
-      character(*), intent(in) :: file
-      character(400) :: line
-      integer :: unit, code
-      open (newunit=unit, file=file, action="read", status="old", iostat=code)
-      if (code /= 0) return
-      do
-         read (unit, "(a)", iostat=code) line
-         if (code /= 0) exit
-         call say(trim(line))
-      end do
-      close (unit)
-   end subroutine show_file
-
-   !> The pictures, where gnuplot is found; what gnuplot complains of stays in plot_NAME.log.
-   subroutine draw(scene, out, quiet)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: out
-      logical, intent(in) :: quiet
-      character(16), allocatable :: names(:)
-      character(:), allocatable :: script
-      integer :: i, state, code
-      call picture_names(scene, names)
-      if (size(names) == 0) return
-      call execute_command_line("gnuplot --version >/dev/null 2>&1", exitstat=state, cmdstat=code)
-      if (state /= 0 .or. code /= 0) then
-         if (.not. quiet) call say("gnuplot is not here; plot_*.gp draw the pictures where it is")
-         return
-      end if
-      do i = 1, size(names)
-         script = "plot_" // trim(names(i))
-         call execute_command_line("cd " // escaped(out) // " && gnuplot " // script // ".gp >" // &
-                                   script // ".log 2>&1 && rm -f " // script // ".log", &
-                                   exitstat=state, cmdstat=code)
-         if (state /= 0 .or. code /= 0) then
-            call complain("gnuplot failed on " // script // ".gp; see " // script // &
-               ".log beside it")
-         else if (.not. quiet) then
-            call say("picture   " // trim(names(i)) // ".svg, " // trim(names(i)) // ".png")
-         end if
-      end do
-   end subroutine draw
 
 end module app_run

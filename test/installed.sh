@@ -130,7 +130,7 @@ study_pictures() {
       for script in build/installed/study/plot_*.gp; do
          picture=${script%.gp}
          picture=build/installed/study/${picture##*/plot_}
-         [ -s "$picture.png" ] && [ -s "$picture.svg" ] || { echo "$study: no $picture"; cat build/installed/study/gnuplot.log; return 1; }
+         [ -s "$picture.png" ] && [ -s "$picture.svg" ] || { echo "$study: no $picture"; cat build/installed/study/plot_*.log; return 1; }
       done
    done
 }
