@@ -13,7 +13,7 @@ module app_choose
    use app_options, only: study_options, read_study_options, seconds_of, numbers_in, names_in
    use app_progress, only: progress_watch
    use app_run, only: load_scene
-   use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
+   use app_terminal, only: say, print_error, error_is_terminal, catch_interrupts
    implicit none(type, external)
    private
    public :: command_choose
@@ -67,7 +67,7 @@ contains
       code = exit_of_run(error%code)
       if (error%code == poinsot_e_convergence) code = exit_numerical
       if (raised(error)) then
-         call complain(error%message)
+         call print_error(error%message)
          return
       end if
       call choice_lines(scene, request%tol, answer, lines)
@@ -82,7 +82,7 @@ contains
       if (.not. raised(error)) call write_chosen_scene(scene, out, request%tol, answer, error)
       code = exit_of_run(error%code)
       if (raised(error)) then
-         call complain(error%message)
+         call print_error(error%message)
       else if (.not. options%quiet) then
          call say("written to  " // out // "; poinsot run " // out // " runs it")
       end if

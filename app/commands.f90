@@ -1,11 +1,11 @@
 !> The table of commands. A new one is a row in `table`, a case in `dispatch`, a text in app_help.
 module app_commands
-   use poinsot_scene_crew, only: run_crew
+   use poinsot_scene_communicator, only: communicator
    use poinsot_core_nearest, only: nearest_name
    use app_arguments, only: word, word_list, command_words, is_option
    use app_codes, only: exit_ok, exit_usage
    use app_help, only: command, table, show_help, show_command_help
-   use app_terminal, only: complain
+   use app_terminal, only: print_error
    use app_version, only: show_version
    use app_run, only: command_run
    use app_cost, only: command_cost
@@ -21,9 +21,9 @@ module app_commands
 contains
 
    !> Do what the command line says.
-   subroutine run_command(code, crew)
+   subroutine run_command(code, ranks)
       integer, intent(out) :: code !! exit code: 0 ok, 1 runtime, 2 usage or input, 3 numerical
-      class(run_crew), intent(inout), optional :: crew !! who else runs this
+      class(communicator), intent(inout), optional :: ranks !! who else runs this
       type(word_list) :: all, rest
       character(:), allocatable :: name
       integer :: i
@@ -51,12 +51,12 @@ contains
          continue
       end select
       if (is_option(name)) then
-         call complain("unknown option '" // name // "'; there are --help and --version, " // &
+         call print_error("unknown option '" // name // "'; there are --help and --version, " // &
                        "others stand behind a command")
          code = exit_usage
          return
       else if (.not. any(table%name == name)) then
-         call complain("unknown command '" // name // "'; the nearest known one is '" // &
+         call print_error("unknown command '" // name // "'; the nearest known one is '" // &
                        nearest_name(name(:min(len(name), 60)), table%name) // &
                        "' (poinsot --help shows all)")
          code = exit_usage
@@ -67,22 +67,22 @@ contains
          call show_command_help(name)
          return
       end do
-      call dispatch(name, rest, code, crew)
+      call dispatch(name, rest, code, ranks)
    end subroutine run_command
 
    !> A command of the table.
-   subroutine dispatch(name, words, code, crew)
+   subroutine dispatch(name, words, code, ranks)
       character(*), intent(in) :: name
       type(word_list), intent(in) :: words   !! what follows it
       integer, intent(out) :: code
-      class(run_crew), intent(inout), optional :: crew
-      if (present(crew)) then
+      class(communicator), intent(inout), optional :: ranks
+      if (present(ranks)) then
          code = exit_ok
-         if (crew%number > 0 .and. name /= "run") return ! for one alone
+         if (ranks%number > 0 .and. name /= "run") return ! for one alone
       end if
       select case (name)
       case ("run")
-         call command_run(words, code, crew)
+         call command_run(words, code, ranks)
       case ("cost")
          call command_cost(words, code)
       case ("choose")
@@ -104,7 +104,7 @@ contains
       case ("scenes")
          call command_scenes(words, code)
       case default
-         call complain("the command '" // name // "' is not built in")
+         call print_error("the command '" // name // "' is not built in")
          code = exit_usage
       end select
    end subroutine dispatch

@@ -15,7 +15,7 @@ module app_cost
    use app_options, only: study_options, read_study_options, seconds_of, numbers_in, names_in
    use app_progress, only: progress_watch
    use app_run, only: load_scene
-   use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
+   use app_terminal, only: say, print_error, error_is_terminal, catch_interrupts
    implicit none(type, external)
    private
    public :: command_cost
@@ -76,7 +76,7 @@ contains
       if (.not. good .or. options%sums == "") return
       good = options%sums == "plain" .or. options%sums == "compensated"
       request%compensated = options%sums /= "plain"
-      if (.not. good) call complain("cost: --sums is plain or compensated, not '" // &
+      if (.not. good) call print_error("cost: --sums is plain or compensated, not '" // &
          options%sums // "'")
    end subroutine to_request
 
@@ -109,10 +109,10 @@ contains
       if (.not. raised(error)) call write_cost_plots(out, scene, study, error)
       code = exit_of_run(error%code)
       if (raised(error)) then
-         call complain(error%message)
+         call print_error(error%message)
          return
       end if
-      if (study%stopped) call complain("asked to stop: what was measured until then is written")
+      if (study%stopped) call print_error("asked to stop: what was measured until then is written")
       if (.not. options%quiet) call show_file(out // "/cost.txt")
       if (options%pictures) call draw_pictures(cost_pictures(study), out, options%quiet)
       if (.not. options%quiet) call say("written to " // out)

@@ -1,7 +1,7 @@
 !> Pictures by gnuplot, and text files on the terminal.
 module app_draw
    use poinsot_scene_text, only: escaped
-   use app_terminal, only: say, complain
+   use app_terminal, only: say, print_error
    implicit none(type, external)
    private
    public :: draw_pictures, show_file
@@ -27,7 +27,7 @@ contains
                                    script // ".log 2>&1 && rm -f " // script // ".log", &
                                    exitstat=state, cmdstat=code)
          if (state /= 0 .or. code /= 0) then
-            call complain("gnuplot failed on " // script // ".gp; see " // script // &
+            call print_error("gnuplot failed on " // script // ".gp; see " // script // &
                ".log beside it")
          else if (.not. quiet) then
             call say("picture   " // trim(names(i)) // ".svg, " // trim(names(i)) // ".png")

@@ -13,7 +13,7 @@ module app_lists
    use app_find_scene, only: find_scene, missing_scene, shipped_scenes
    use app_keys, only: group_count, get_group, put_table
    use app_run, only: unknown_option
-   use app_terminal, only: say, complain
+   use app_terminal, only: say, print_error
    implicit none(type, external)
    private
    public :: command_methods, command_splittings, command_effects, command_keys, &
@@ -37,7 +37,7 @@ contains
       end do
       fine = size(words%at) <= most
       if (.not. fine) then
-         call complain(command // ": '" // words%at(most + 1)%text // "' is one too many")
+         call print_error(command // ": '" // words%at(most + 1)%text // "' is one too many")
       end if
    end function fine
 
@@ -146,7 +146,7 @@ contains
          names(i) = info%name
       end do
       i = 0
-      call complain(what // " '" // name // "'; the nearest known one is '" // &
+      call print_error(what // " '" // name // "'; the nearest known one is '" // &
                     nearest_name(name(:min(len(name), 60)), names) // "'")
    end subroutine find_group
 
@@ -226,12 +226,12 @@ contains
       code = exit_usage
       call find_scene(name, file, found)
       if (.not. found) then
-         call complain("scenes: " // missing_scene(name))
+         call print_error("scenes: " // missing_scene(name))
          return
       end if
       open (newunit=unit, file=file, action="read", status="old", iostat=code)
       if (code /= 0) then
-         call complain("scenes: " // file // " cannot be read")
+         call print_error("scenes: " // file // " cannot be read")
          code = exit_usage
          return
       end if

@@ -7,7 +7,7 @@ module app_measured
    use app_arguments, only: word_list, option_value, is_option
    use app_codes, only: exit_ok, exit_usage, exit_of_run
    use app_run, only: unknown_option
-   use app_terminal, only: complain
+   use app_terminal, only: print_error
    implicit none(type, external)
    private
    public :: command_properties, command_hard
@@ -60,7 +60,7 @@ contains
          name = words%at(i)%text
          if (.not. is_option(name)) then
             if (len(first) > 0 .or. .not. present(only)) then
-               call complain(command // ": '" // name // "' is one too many")
+               call print_error(command // ": '" // name // "' is one too many")
                return
             end if
             first = name
@@ -73,7 +73,7 @@ contains
          end if
          call option_value(words, i, folder, found)
          if (.not. found .or. len(folder) == 0) then
-            call complain(command // ": the option --out needs a value")
+            call print_error(command // ": the option --out needs a value")
             return
          end if
       end do
@@ -86,7 +86,7 @@ contains
       integer, intent(out) :: code
       flush (output_unit)
       code = exit_of_run(error%code)
-      if (raised(error)) call complain(error%message)
+      if (raised(error)) call print_error(error%message)
    end subroutine finish
 
 end module app_measured

@@ -6,7 +6,7 @@ module app_options
    use app_arguments, only: word, word_list, option_value, is_option, append_word
    use app_find_scene, only: shipped_scenes
    use app_run, only: unknown_option
-   use app_terminal, only: complain
+   use app_terminal, only: print_error
    implicit none(type, external)
    private
    public :: study_options, read_study_options, seconds_of, numbers_in, names_in
@@ -39,7 +39,7 @@ contains
          name = words%at(i)%text
          if (.not. is_option(name)) then
             good = len(options%scene) == 0
-            if (.not. good) call complain(command // ": one scene at a time; '" // name // &
+            if (.not. good) call print_error(command // ": one scene at a time; '" // name // &
                "' is a second one")
             options%scene = name
             cycle
@@ -55,14 +55,14 @@ contains
          else
             call option_value(words, i, value, good)
             if (good) call take(name, value, options)
-            if (.not. good) call complain(command // ": the option " // name // " needs a value")
+            if (.not. good) call print_error(command // ": the option " // name // " needs a value")
          end if
       end do
       if (good .and. len(options%scene) == 0) then
          if (present(question)) then
-            call complain(command // ": " // question)
+            call print_error(command // ": " // question)
          else
-            call complain(command // ": which scene? Shipped are " // joined(shipped_scenes))
+            call print_error(command // ": which scene? Shipped are " // joined(shipped_scenes))
          end if
          good = .false.
       end if
@@ -138,7 +138,7 @@ contains
       good = outcome == number_ok
       if (good) good = value*unit >= 0.1_dp .and. value*unit <= 86400
       if (good) seconds = value*unit
-      if (.not. good) call complain(command // ": --budget " // text // &
+      if (.not. good) call print_error(command // ": --budget " // text // &
          " is not a time from 0.1 s to a day, as 60s or 2m")
    end subroutine seconds_of
 
@@ -160,7 +160,7 @@ contains
          if (good) good = values(i) >= least .and. values(i) <= most
       end do
       if (good) return
-      call complain(command // ": " // option // " " // text // " is no number, or no list " // &
+      call print_error(command // ": " // option // " " // text // " is no number, or no list " // &
                     "a,b,c, from " // text_of(least) // " to " // text_of(most))
    end subroutine numbers_in
 

@@ -18,7 +18,7 @@ module app_progress
       integer(i8) :: last = 0              !! clock at the last line
    contains
       procedure :: stop_now
-      procedure :: tell
+      procedure :: report_progress
       procedure :: wipe
    end type progress_watch
 
@@ -31,7 +31,7 @@ contains
       stop_now = was_interrupted()
    end function stop_now
 
-   subroutine tell(self, t, t_end)
+   subroutine report_progress(self, t, t_end)
       class(progress_watch), intent(inout) :: self
       real(dp), intent(in) :: t, t_end
       integer(i8) :: now, rate
@@ -43,7 +43,7 @@ contains
       write (error_unit, "(a, i3, a)", advance="no") achar(13), int(100*t/t_end), " %  t = " // &
          text_of(real(real(t), dp)) // " of " // text_of(t_end) // "    "
       flush (error_unit)
-   end subroutine tell
+   end subroutine report_progress
 
    !> Take the line away.
    subroutine wipe(self)

@@ -16,7 +16,7 @@ module app_reproduce
    use app_options, only: study_options, read_study_options, seconds_of
    use app_progress, only: progress_watch
    use app_run, only: command_run
-   use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
+   use app_terminal, only: say, print_error, error_is_terminal, catch_interrupts
    implicit none(type, external)
    private
    public :: command_reproduce
@@ -43,7 +43,7 @@ contains
                               "which figure? There are " // joined(figures))
       if (.not. good) return
       if (.not. any(figures == options%scene)) then
-         call complain("reproduce: unknown figure '" // options%scene // &
+         call print_error("reproduce: unknown figure '" // options%scene // &
             "'; the nearest known one is '" // &
             nearest_name(options%scene(:min(len(options%scene), 60)), figures) // "'")
          return
@@ -71,7 +71,7 @@ contains
       call watch%wipe()
       code = exit_of_run(error%code)
       if (raised(error)) then
-         call complain(error%message)
+         call print_error(error%message)
          return
       end if
       if (.not. options%quiet) call show_file(out // "/" // options%scene // ".txt")

@@ -11,17 +11,17 @@ module app_run
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: step_total, output_count
-   use poinsot_scene_crew, only: run_crew
+   use poinsot_scene_communicator, only: communicator
    use poinsot_scene_run, only: run_scene, check_scene
    use poinsot_scene_pictures, only: picture_names
    use poinsot_scene_summary, only: run_report
-   use poinsot_study_auto, only: settle
+   use poinsot_study_auto, only: resolve_auto
    use app_arguments, only: word, word_list, option_value, is_option, append_word
    use app_codes, only: exit_ok, exit_runtime, exit_usage, exit_of_run
    use app_draw, only: draw_pictures, show_file
    use app_find_scene, only: find_scene, missing_scene, shipped_scenes
    use app_progress, only: progress_watch
-   use app_terminal, only: say, complain, error_is_terminal, catch_interrupts
+   use app_terminal, only: say, print_error, error_is_terminal, catch_interrupts
    implicit none(type, external)
    private
    public :: command_run, load_scene, run_options, unknown_option
@@ -39,10 +39,10 @@ module app_run
 contains
 
    !> The command.
-   subroutine command_run(words, code, crew)
+   subroutine command_run(words, code, ranks)
       type(word_list), intent(in) :: words !! what follows the command
       integer, intent(out) :: code         !! exit code
-      class(run_crew), intent(inout), optional :: crew
+      class(communicator), intent(inout), optional :: ranks
       type(run_options) :: options
       type(scene_settings) :: scene
       logical :: good
@@ -54,7 +54,7 @@ contains
       if (options%check) then
          call check_only(scene, options, code)
       else
-         call run_it(scene, options, code, crew)
+         call run_it(scene, options, code, ranks)
       end if
    end subroutine command_run
 
@@ -77,7 +77,7 @@ contains
          if (.not. is_option(name)) then
             good = len(options%scene) == 0
             if (.not. good) then
-               call complain("run: one scene at a time; '" // name // "' is a second one")
+               call print_error("run: one scene at a time; '" // name // "' is a second one")
             end if
             options%scene = name
             cycle
@@ -93,7 +93,7 @@ contains
          case ("--out", "--threads", "--set")
             call option_value(words, i, value, good)
             if (.not. good) then
-               call complain("run: the option " // name // " needs a value")
+               call print_error("run: the option " // name // " needs a value")
             else if (name == "--out") then
                options%out = value
             else if (name == "--threads") then
@@ -107,7 +107,7 @@ contains
          end select
       end do
       if (good .and. len(options%scene) == 0) then
-         call complain("run: which scene? Shipped are " // joined(shipped_scenes))
+         call print_error("run: which scene? Shipped are " // joined(shipped_scenes))
          good = .false.
       end if
       do while (len(options%out) > 1)
@@ -121,9 +121,9 @@ contains
       character(*), intent(in) :: command, name
       character(*), intent(in) :: options(:)   !! those there are
       if (size(options) == 0) then
-         call complain(command // ": unknown option '" // name // "'; there is only --help")
+         call print_error(command // ": unknown option '" // name // "'; there is only --help")
       else
-         call complain(command // ": unknown option '" // name // &
+         call print_error(command // ": unknown option '" // name // &
                        "'; the nearest known one is " // nearest_name(name(:min(len(name), 60)), &
                        options) // " (poinsot " // command // " --help shows all)")
       end if
@@ -141,7 +141,7 @@ contains
       integer :: i
       call find_scene(name, file, good)
       if (.not. good) then
-         call complain(missing_scene(name))
+         call print_error(missing_scene(name))
          return
       end if
       call read_source(file, source, error)
@@ -150,7 +150,7 @@ contains
       end do
       if (.not. raised(error)) call build_scene(source, scene, error)
       good = .not. raised(error)
-      if (.not. good) call complain(error%message)
+      if (.not. good) call print_error(error%message)
    end subroutine load_scene
 
    !> --check
@@ -167,7 +167,7 @@ contains
       call check_scene(trial, error)
       code = exit_ok
       if (raised(error)) then
-         call complain(scene%file // ": " // error%message)
+         call print_error(scene%file // ": " // error%message)
          code = exit_usage
          return
       end if
@@ -188,11 +188,11 @@ contains
    end subroutine check_only
 
    !> Run, report, draw.
-   subroutine run_it(scene, options, code, crew)
+   subroutine run_it(scene, options, code, ranks)
       type(scene_settings), intent(inout) :: scene     !! `auto` gets its choice
       type(run_options), intent(in) :: options
       integer, intent(out) :: code
-      class(run_crew), intent(inout), optional :: crew
+      class(communicator), intent(inout), optional :: ranks
       type(progress_watch) :: watch
       type(run_report) :: report
       type(poinsot_error) :: error
@@ -202,27 +202,27 @@ contains
       if (len(out) == 0) out = "poinsot-out/" // scene%name
       watch%shown = error_is_terminal() .and. .not. options%quiet
       call catch_interrupts()
-      if (present(crew)) then
-         call settle_together(scene, watch, crew, error)
+      if (present(ranks)) then
+         call resolve_auto_on_all(scene, watch, ranks, error)
       else
-         call settle(scene, watch, error)
+         call resolve_auto(scene, watch, error)
       end if
       call watch%wipe()
-      if (.not. raised(error)) call run_scene(scene, out, watch, report, error, crew)
+      if (.not. raised(error)) call run_scene(scene, out, watch, report, error, ranks)
       call watch%wipe()
       code = exit_of_run(error%code)
       if (raised(error)) then
-         call complain(error%message)
+         call print_error(error%message)
          return
       end if
       if (report%state == "interrupted") then
-         call complain("interrupted at t = " // text_of(report%t) // &
+         call print_error("interrupted at t = " // text_of(report%t) // &
                        "; continue with --set scene.from=" // out // "/" // scene%output%restart)
          code = exit_runtime
          return
       end if
-      if (present(crew)) then
-         if (crew%number > 0) return
+      if (present(ranks)) then
+         if (ranks%number > 0) return
       end if
       if (.not. options%quiet) call show_file(out // "/summary.txt")
       if (options%pictures) then
@@ -233,33 +233,33 @@ contains
    end subroutine run_it
 
    !> `auto` measures times: the first rank chooses, for all.
-   subroutine settle_together(scene, watch, crew, error)
+   subroutine resolve_auto_on_all(scene, watch, ranks, error)
       type(scene_settings), intent(inout) :: scene
       type(progress_watch), intent(inout) :: watch
-      class(run_crew), intent(inout) :: crew
+      class(communicator), intent(inout) :: ranks
       type(poinsot_error), intent(inout) :: error
       integer :: code
       if (.not. is_auto(scene)) return
-      if (crew%number == 0) call settle(scene, watch, error)
-      code = crew%worst(error%code)
+      if (ranks%number == 0) call resolve_auto(scene, watch, error)
+      code = ranks%max_over_ranks(error%code)
       if (code /= 0 .and. .not. raised(error)) call raise(error, code, "another rank failed")
       if (raised(error)) return
-      call tell_name(crew, scene%method)
-      call tell_name(crew, scene%splitting)
-      scene%h = transfer(crew%first(transfer(scene%h, 0_i8)), scene%h)
-   end subroutine settle_together
+      call broadcast_name(ranks, scene%method)
+      call broadcast_name(ranks, scene%splitting)
+      scene%h = transfer(ranks%broadcast(transfer(scene%h, 0_i8)), scene%h)
+   end subroutine resolve_auto_on_all
 
    !> The first rank's name, letter by letter.
-   subroutine tell_name(crew, name)
-      class(run_crew), intent(inout) :: crew
+   subroutine broadcast_name(ranks, name)
+      class(communicator), intent(inout) :: ranks
       character(:), allocatable, intent(inout) :: name
       character(24) :: letters
       integer :: i
       letters = name
       do i = 1, len(letters)
-         letters(i:i) = achar(int(crew%first(int(iachar(letters(i:i)), i8))))
+         letters(i:i) = achar(int(ranks%broadcast(int(iachar(letters(i:i)), i8))))
       end do
       name = trim(letters)
-   end subroutine tell_name
+   end subroutine broadcast_name
 
 end module app_run

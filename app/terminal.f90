@@ -6,7 +6,7 @@ module app_terminal
    implicit none(type, external)
    private
    public :: error_is_terminal, catch_interrupts, was_interrupted, executable_folder
-   public :: say, complain, environment
+   public :: say, print_error, environment
 
    integer(c_int), parameter :: signal_hangup = 1, signal_interrupt = 2, signal_terminate = 15, &
       signal_file_size = 25
@@ -105,10 +105,10 @@ contains
    end subroutine say
 
    !> A line on standard error, with the program's name.
-   subroutine complain(line)
+   subroutine print_error(line)
       character(*), intent(in) :: line
       flush (output_unit)
       write (error_unit, "(a)") "poinsot: " // line
-   end subroutine complain
+   end subroutine print_error
 
 end module app_terminal

@@ -48,7 +48,7 @@ contains
       if (.not. forced) return
       flows%q = x(:, 4:7)
       call flows%start_torque(t)
-      call flows%freeze_torque()
+      call flows%finish_torque()
       f(:, 1:3) = f(:, 1:3) + flows%g
    end subroutine slopes
 

@@ -2,16 +2,16 @@
 program poinsot_processes
    use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
    use app_commands, only: run_command
-   use mpi_crew, only: process_crew, join_crew, leave_crew
+   use mpi_communicators, only: mpi_communicator, start_mpi, finish_mpi
    implicit none(type, external)
-   type(process_crew) :: crew
+   type(mpi_communicator) :: ranks
    integer :: code
-   call join_crew(crew)
-   if (crew%number > 0) then
+   call start_mpi(ranks)
+   if (ranks%number > 0) then
       open (output_unit, file="/dev/null")
       open (error_unit, file="/dev/null")
    end if
-   call run_command(code, crew)
-   call leave_crew()
+   call run_command(code, ranks)
+   call finish_mpi()
    if (code /= 0) stop code, quiet=.true.
 end program poinsot_processes

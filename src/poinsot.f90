@@ -64,7 +64,7 @@ module poinsot
    public :: poinsot_torque, poinsot_user_torque, poinsot_user_potential
 
    interface
-      !> 1 if this processor is one that the library was compiled for (src/api/door.c).
+      !> 1 if this processor is one that the library was compiled for (src/api/cpu_check.c).
       integer(c_int) function poinsot_processor_fits() bind(c)
          import :: c_int
          implicit none(type, external)
@@ -153,15 +153,15 @@ contains
       team = 0
       if (present(threads)) team = threads
       call rotate_bodies(body, chosen, h, steps, view, team, status, error)
-      call tell(status, error)
+      call hand_out_status(status, error)
    end subroutine rotate_rows
 
    !> Some bodies failed: that is an error too.
-   subroutine tell(status, error)
+   subroutine hand_out_status(status, error)
       integer, intent(in) :: status
       type(poinsot_error), intent(inout) :: error
       if (status /= poinsot_ok .and. .not. raised(error)) call raise(error, status)
-   end subroutine tell
+   end subroutine hand_out_status
 
    !> A view of bodies in rows: y(3, n), or (4, n) for a conjugate momentum, q(4, n).
    subroutine poinsot_bodies_rows(bodies, y, q, error)
@@ -273,7 +273,7 @@ contains
       integer :: status
       if (.not. admitted(error)) return
       call drift_bodies(plan, bodies, h, status, error)
-      call tell(status, error)
+      call hand_out_status(status, error)
    end subroutine poinsot_drift
 
    !> y += h torque for all bodies.
@@ -294,7 +294,7 @@ contains
          columns(j)%of => torque(j, :)
       end do
       call kick_bodies(plan, bodies, h, columns, status, error)
-      call tell(status, error)
+      call hand_out_status(status, error)
    end subroutine poinsot_kick
 
    !> Steps number first to first + steps - 1 of length h; step k starts at t + k h.
@@ -308,7 +308,7 @@ contains
       integer :: status
       if (.not. admitted(error)) return
       call step_bodies(plan, bodies, t, h, first, steps, status, error, callback)
-      call tell(status, error)
+      call hand_out_status(status, error)
    end subroutine step_long
 
    !> The same with numbers of default kind.
@@ -332,7 +332,7 @@ contains
       integer :: status
       if (.not. admitted(error)) return
       call body_energies(plan, bodies, t, kinetic, potential, status, error)
-      call tell(status, error)
+      call hand_out_status(status, error)
    end subroutine poinsot_energy
 
    !> Angular momentum of each body in the space frame.
@@ -344,7 +344,7 @@ contains
       integer :: status
       if (.not. admitted(error)) return
       call body_momenta(plan, bodies, momentum, status, error)
-      call tell(status, error)
+      call hand_out_status(status, error)
    end subroutine poinsot_momentum
 
 end module poinsot

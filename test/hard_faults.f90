@@ -122,7 +122,7 @@ contains
       type(body_view) :: view
       type(poinsot_error) :: problem
       integer, allocatable, target :: each(:)
-      integer :: way, ill, status
+      integer :: approach, ill, status
       call some_plan(method, "srkn6", plan)
       ill = n/2 + 7
       allocate (each(n))
@@ -132,10 +132,10 @@ contains
       call open(rest, view)
       call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
       call check(error, status, poinsot_ok, method//": some fail without a reason")
-      do way = 1, merge(2, 6, n > 1000)
+      do approach = 1, merge(2, 6, n > 1000)
          if (allocated(error)) return
          all = start
-         select case (way)
+         select case (approach)
          case (1)
             all%y(2, ill) = ieee_value(1.0_dp, ieee_quiet_nan)
          case (2)

@@ -13,8 +13,8 @@ module test_choose
    use poinsot_scene_states, only: body_states, first_states
    use poinsot_scene_text, only: text_of
    use poinsot_scene_watch, only: run_watch
-   use poinsot_study_auto, only: settle
-   use poinsot_study_candidates, only: candidate, scene_kind, look_at, plan_splitting, any_name
+   use poinsot_study_auto, only: resolve_auto
+   use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, plan_splitting, any_name
    use poinsot_study_choose, only: choose_request, choice, choose_method, prepare_task, chosen
    use poinsot_study_clock, only: wall_seconds
    use poinsot_study_errors, only: compare_states
@@ -109,7 +109,7 @@ contains
       call open_scene("heavy-top", [character(40) :: "scene.method='auto'", "scene.h=1", &
          "scene.tol=1e-9", &
                                     "output.every=1"], scene, failure)
-      if (.not. raised(failure)) call settle(scene, watch, failure)
+      if (.not. raised(failure)) call resolve_auto(scene, watch, failure)
       if (.not. raised(failure)) call run_through(scene, states, failure)
       call check(error, .not. raised(failure) .and. .not. is_auto(scene) .and. scene%h < 1, &
          "chosen, and run")
@@ -155,11 +155,11 @@ contains
       request%methods = [character(24) :: "dmv8"]
       request%splittings = [character(24) :: "srkn4", "strang"]
       call choose_method(scene, request, watch, answer, failure)
-      call check(error, .not. raised(failure) .and. answer%best%way%method == "dmv8", &
+      call check(error, .not. raised(failure) .and. answer%best%setup%method == "dmv8", &
          "the method named")
       if (allocated(error)) return
-      call check(error, answer%best%way%splitting == "srkn4" .or. &
-         answer%best%way%splitting == "strang", &
+      call check(error, answer%best%setup%splitting == "srkn4" .or. &
+         answer%best%setup%splitting == "strang", &
                  "a splitting named")
       if (allocated(error)) return
       call check(error, answer%best%error <= 1e-5_dp .and. answer%best%h > 0, &
@@ -197,7 +197,7 @@ contains
          scene, failure)
       call check(error, .not. raised(failure) .and. is_auto(scene), "to be settled")
       if (allocated(error)) return
-      call settle(scene, watch, failure)
+      call resolve_auto(scene, watch, failure)
       call check(error, .not. raised(failure) .and. .not. is_auto(scene) .and. &
          scene%method == "exact" .and. &
                  len(scene%chosen) > 0, "the method named is kept, the splitting chosen")
@@ -210,7 +210,7 @@ contains
       call open_scene("heavy-top", [character(60) :: "scene.method='auto'", "scene.from='" // &
          file // "'"], scene, &
                       failure)
-      if (.not. raised(failure)) call settle(scene, watch, failure)
+      if (.not. raised(failure)) call resolve_auto(scene, watch, failure)
       call check(error, .not. raised(failure) .and. scene%method == "dmv6" .and. &
          scene%splitting == "suzuki4" .and. &
                  abs(scene%h - 0.125_dp) <= 0, "a restart never chooses again")
@@ -301,8 +301,8 @@ contains
          return
       end if
       done = scene
-      done%method = trim(answer%best%way%method)
-      done%splitting = plan_splitting(answer%best%way)
+      done%method = trim(answer%best%setup%method)
+      done%splitting = plan_splitting(answer%best%setup)
       done%h = answer%best%h
       call true_error(done, off, failure)
       if (raised(failure)) then
@@ -332,7 +332,7 @@ contains
       real(dp), allocatable :: angle(:), momentum(:)
       off = huge(off)
       call run_through(scene, states, error)
-      if (.not. raised(error)) call look_at(scene, kind, error)
+      if (.not. raised(error)) call survey_scene(scene, kind, error)
       if (.not. raised(error)) call draw_members(scene, kind%coupled, int(body_total(scene)), &
          0.0_dp, members, error)
       if (.not. raised(error)) call find_reference(scene, kind, members, scene%t_end, 1, 20.0_dp, &
@@ -351,7 +351,7 @@ contains
       real(dp), intent(out) :: ratio
       type(problem) :: task
       type(candidate), allocatable :: list(:)
-      type(contender), allocatable :: racers(:)
+      type(contender), allocatable :: contenders(:)
       type(choice) :: again
       type(member_set) :: many
       type(run_watch) :: watch
@@ -361,32 +361,34 @@ contains
       real(dp), allocatable :: times(:, :)
       integer :: i, round
       ratio = 1
-      call prepare_task(scene, request, task, list, racers, again, failure)
+      call prepare_task(scene, request, task, list, contenders, again, failure)
       if (raised(failure)) return
-      call search_steps(task, racers, exhaustive_slack, wall_seconds() + 20, watch)
+      call search_steps(task, contenders, exhaustive_slack, wall_seconds() + 20, watch)
       call repeat_members(task%members, int(min(body_total(scene), 1024_i8)), many)
       if (task%members%together > 1) many = task%members
-      call make_plan(scene, trim(answer%best%way%method), plan_splitting(answer%best%way), plan, &
+      call make_plan(scene, trim(answer%best%setup%method), plan_splitting(answer%best%setup), &
+         plan, &
          failure)
-      allocate (times(5, size(racers)))
+      allocate (times(5, size(contenders)))
       do round = 1, 5
          call time_steps(plan, many, answer%best%h, answer%best%ns, 1e-3_dp, &
             nint(task%t_end/answer%best%h, i8), .true., &
             ns(round))
-         do i = 1, size(racers)
+         do i = 1, size(contenders)
             times(round, i) = 0
-            if (racers(i)%met == 0) cycle
-            h = task%longest/real(racers(i)%met, dp)
-            call time_steps(racers(i)%plan, many, h, racers(i)%ns*max(1, 32/many%n), 1e-3_dp, &
-               task%unit*racers(i)%met, .true., &
+            if (contenders(i)%met == 0) cycle
+            h = task%longest/real(contenders(i)%met, dp)
+            call time_steps(contenders(i)%plan, many, h, contenders(i)%ns*max(1, 32/many%n), &
+               1e-3_dp, &
+               task%unit*contenders(i)%met, .true., &
                             times(round, i))
             times(round, i) = times(round, i)/h
          end do
       end do
       mine = median(ns)/answer%best%h
       ratio = 1
-      do i = 1, size(racers)
-         if (racers(i)%met > 0 .and. minval(times(:, i)) > 0) ratio = max(ratio, &
+      do i = 1, size(contenders)
+         if (contenders(i)%met > 0 .and. minval(times(:, i)) > 0) ratio = max(ratio, &
             mine/median(times(:, i)))
       end do
       associate (unused => poinsot_e_method, unused_2 => again%best)

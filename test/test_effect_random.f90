@@ -195,7 +195,7 @@ contains
    !> enough that order 2 does not show.
    subroutine test_boltzmann(error)
       type(error_type), allocatable, intent(out) :: error
-      integer, parameter :: blocks = 16, steps = 1500, settle = 300
+      integer, parameter :: blocks = 16, steps = 1500, resolve_auto = 300
       type(bench), target :: it
       type(effect_item), allocatable :: effects(:)
       type(poinsot_error) :: refusal
@@ -222,11 +222,11 @@ contains
          it%block%id = [(int(l + lanes*b, i8), l=1, lanes)]
          do k = 1, steps
             call run(it, 0.0_dp, 0.1_dp, k, 1)
-            if (k <= settle) cycle
+            if (k <= resolve_auto) cycle
             do l = 1, lanes
                direction = rotated(it%block%q(l, :), [0.0_dp, 1.0_dp, 0.0_dp])
-               first(l, b) = first(l, b) + direction(3)/(steps - settle)
-               second(l, b) = second(l, b) + direction(3)**2/(steps - settle)
+               first(l, b) = first(l, b) + direction(3)/(steps - resolve_auto)
+               second(l, b) = second(l, b) + direction(3)**2/(steps - resolve_auto)
             end do
          end do
       end do

@@ -189,7 +189,7 @@ contains
       integer :: k
       x = 0
       do k = 1, 2
-         call made%lay_source(k, body(:, k), q(:, :, k), x)
+         call made%scatter_source(k, body(:, k), q(:, :, k), x)
       end do
    end function sources_of
 

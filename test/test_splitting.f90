@@ -257,8 +257,9 @@ contains
       call check(error, size(it%scheme%operations) == 1 .and. &
                  .not. any(it%scheme%operations%is_kick), "a kick without torque")
       if (allocated(error)) return
-      call check(error,.not. (allocated(it%block%torques) .or. allocated(it%block%outers) .or. &
-         allocated(it%block%wheel) .or. it%block%has_outer), "allocated for nothing")
+      call check(error, .not. (allocated(it%block%torques) .or. &
+         allocated(it%block%dissipative) .or. &
+         allocated(it%block%rotor_sum) .or. it%block%has_dissipation), "allocated for nothing")
       if (allocated(error)) return
       call place(it, generic_y, generic_q)
       y = it%block%y

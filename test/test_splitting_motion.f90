@@ -9,7 +9,7 @@ module test_splitting_motion
    use poinsot_effect_registry, only: make_effect
    use poinsot_splitting_tableaux, only: turn_composition
    use poinsot_splitting_registry, only: splitting_count, splitting_name, achieved_order
-   use poinsot_splitting_stepper, only: enter_kernel, leave_kernel
+   use poinsot_splitting_stepper, only: apply_preprocessor, apply_postprocessor
    use test_measure, only: measure_slope, attitude_distance, momentum_distance
    use test_oracle_data, only: top_case, read_top, published_3
    use test_oracle_taylor, only: taylor_problem, taylor_report, taylor_flow
@@ -144,11 +144,11 @@ contains
       call generic_effects(effects)
       call set_up(it, generic_moments_of, "exact", "takahashi-imada", effects)
       call place(it, generic_y, generic_q)
-      call leave_kernel(it%scheme, it%block, 0.0_dp, 0.3_dp, 0_i8)
+      call apply_postprocessor(it%scheme, it%block, 0.0_dp, 0.3_dp, 0_i8)
       call check(error, momentum_distance(it%block%y(1, :), generic_y) > 1e-4_dp, &
          "the processor does nothing")
       if (allocated(error)) return
-      call enter_kernel(it%scheme, it%block, 0.0_dp, 0.3_dp, 0_i8)
+      call apply_preprocessor(it%scheme, it%block, 0.0_dp, 0.3_dp, 0_i8)
       call check(error, momentum_distance(it%block%y(1, :), generic_y) < 1e-14_dp .and. &
          attitude_distance(it%block%q(1, :), generic_q) < 1e-14_dp, "not inverted")
    end subroutine test_processor_inverse

@@ -11,7 +11,7 @@ module test_study
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_source, only: scene_source
    use poinsot_scene_watch, only: run_watch
-   use poinsot_study_candidates, only: candidate, scene_kind, look_at, list_candidates, &
+   use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, list_candidates, &
       quiet_scene, any_name
    use poinsot_study_cost, only: cost_request, cost_study, study_cost
    use poinsot_study_cost_point, only: cost_point, frontier, cheapest, middle, worst, of_angle, &
@@ -146,7 +146,7 @@ contains
       integer :: i
       call open_scene("heavy-top", as_it_is, scene, failure)
       call draw_members(scene, .false., 40, 0.1_dp, members, failure)
-      call check(error, .not. raised(failure) .and. members%n == 40 .and. members%own == 1, &
+      call check(error, .not. raised(failure) .and. members%n == 40 .and. members%given == 1, &
          "forty, one its own")
       if (allocated(error)) return
       call check(error, all(abs(members%y(:, 1) - [1.8_dp, 0.4_dp, -0.9_dp]) <= 0), &
@@ -182,7 +182,7 @@ contains
       type(candidate), allocatable :: list(:)
       type(poinsot_error) :: failure
       call open_scene("free-body", as_it_is, scene, failure)
-      call look_at(scene, kind, failure)
+      call survey_scene(scene, kind, failure)
       call list_candidates(scene, kind, any_name, any_name, list, failure)
       call check(error, .not. raised(failure) .and. kind%free .and. .not. kind%kicks .and. &
          size(list) >= 17 .and. &
@@ -200,7 +200,7 @@ contains
       call open_scene("thermostat", [character(20) :: "bodies.count=3", "output.sample=3"], scene, &
          failure)
       call quiet_scene(scene, quiet)
-      call look_at(quiet, kind, failure)
+      call survey_scene(quiet, kind, failure)
       call list_candidates(quiet, kind, [character(24) :: "exact"], any_name, list, &
          failure)
       call check(error, .not. raised(failure) .and. kind%noisy .and. kind%limit == 2 .and. &
@@ -307,7 +307,7 @@ contains
       type(candidate), allocatable :: list(:)
       type(poinsot_error) :: failure
       call open_scene("heavy-top", as_it_is, scene, failure)
-      call look_at(scene, kind, failure)
+      call survey_scene(scene, kind, failure)
       call list_candidates(scene, kind, [character(24) :: "exakt"], any_name, list, &
          failure)
       call check(error, raised(failure), "an unknown method")
@@ -407,7 +407,7 @@ contains
       end do
       do k = 1, size(y, 2)
          call place_label(labels, x, y(:, k), 12, k, place)
-         call check(error, place%price < 100, "a free place")
+         call check(error, place%penalty < 100, "a free place")
          if (allocated(error)) return
       end do
       call check(error, labels%boxes == 12 .and. all(labels%box(:, :12) > 0) .and. &

@@ -12,7 +12,7 @@ module test_turning
    use poinsot_effect_registry, only: make_effect
    use poinsot_splitting_tableaux, only: splitting
    use poinsot_splitting_registry, only: find_splitting
-   use poinsot_splitting_stepper, only: run_steps, enter_kernel, leave_kernel
+   use poinsot_splitting_stepper, only: run_steps, apply_preprocessor, apply_postprocessor
    use poinsot_splitting_block_flows, only: block_flows
    use test_oracle_taylor, only: taylor_problem, top_problem
    implicit none(type, external)
@@ -123,9 +123,9 @@ contains
       type(bench), intent(inout) :: it
       real(dp), intent(in) :: t, h
       integer, intent(in) :: steps
-      call enter_kernel(it%scheme, it%block, t, h, 0_i8)
+      call apply_preprocessor(it%scheme, it%block, t, h, 0_i8)
       call run_steps(it%scheme, it%block, t, h, 0_i8, int(steps, i8))
-      call leave_kernel(it%scheme, it%block, t, h, int(steps, i8))
+      call apply_postprocessor(it%scheme, it%block, t, h, int(steps, i8))
    end subroutine run_processed
 
    !> y' = y x w + g - friction w, q' = q o (0, w)/2 with Runge and Kutta's method in every lane:

@@ -1,5 +1,5 @@
 !> Behind the C entry points for one kind of body: create, destroy, rotate. See include/poinsot.h
-!> and door.c.
+!> and cpu_check.c.
 module poinsot_api_body
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
       c_null_ptr, c_ptr, c_size_t

@@ -1,4 +1,5 @@
-!> What processor the Fortran part of this build was compiled for, as constant data: src/api/door.c
+!> What processor the Fortran part of this build was compiled for, as constant data:
+!> src/api/cpu_check.c
 !> reads it before it lets anybody in.
 module poinsot_api_build
    use, intrinsic :: iso_c_binding, only: c_int
@@ -13,7 +14,7 @@ module poinsot_api_build
 
    integer :: i !! of the tables only
 
-   !> Bit i - 1 of the needs: the i-th of these. The same order as in door.c.
+   !> Bit i - 1 of the needs: the i-th of these. The same order as in cpu_check.c.
    character(16), parameter :: features(22) = [character(16) :: &
       "sse3", "ssse3", "sse4.1", "sse4.2", "popcnt", "avx", "avx2", "fma", "bmi", "bmi2", &
       "avx512f", "avx512vl", "avx512bw", "avx512dq", "avx512cd", "avx512vbmi", "avx512ifma", &

@@ -1,4 +1,4 @@
-!> Behind the C entry point of Jacobi's elliptic functions. See include/poinsot.h and door.c.
+!> Behind the C entry point of Jacobi's elliptic functions. See include/poinsot.h and cpu_check.c.
 module poinsot_api_jacobi
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &

@@ -1,6 +1,6 @@
 /* Entry points for Fortran with implicit interfaces: poinsot_..._f. See include/poinsot.h.
  *
- * In C and not in Fortran for the reason of door.c: nothing of a newer processor before the door has looked. All work goes
+ * In C and not in Fortran for the reason of cpu_check.c: nothing of a newer processor before the door has looked. All work goes
  * through the door; here arguments are dereferenced and numbers become names. */
 #include "poinsot.h"
 #include <stdio.h>

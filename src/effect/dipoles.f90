@@ -22,7 +22,7 @@ module poinsot_effect_dipoles
       real(dp), allocatable :: positions(:, :)   !! (3, bodies); not allocated: a chain
       real(dp) :: link(3) = 0                    !! from one body of a chain to the next
    contains
-      procedure :: lay_source
+      procedure :: scatter_source
       procedure :: add_torque
       procedure :: add_energy
       procedure :: bodies
@@ -119,7 +119,7 @@ contains
    end function bodies
 
    !> The dipoles in space.
-   subroutine lay_source(self, number, body, q, sources)
+   subroutine scatter_source(self, number, body, q, sources)
       class(dipoles), intent(in) :: self
       integer, intent(in) :: number
       integer, intent(in) :: body(lanes)
@@ -128,7 +128,7 @@ contains
       real(dp) :: m(lanes, 3)
       call to_space(repeated(dipole_of(self, number)), q, m)
       call scatter(body, m, sources)
-   end subroutine lay_source
+   end subroutine scatter_source
 
    subroutine add_torque(self, number, body, q, sources, g)
       class(dipoles), intent(in) :: self

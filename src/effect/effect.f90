@@ -42,12 +42,13 @@ module poinsot_effect_effect
    end type flow_effect
 
    !> A torque that couples bodies. Two passes: every block lays down what the others need
-   !> (`lay_source`, into its bodies' columns of `sources`), then every block takes its torque from
+   !> (`scatter_source`, into its bodies' columns of `sources`), then every block takes its torque
+   !> from
    !> all columns (`add_torque`). Columns are summed in the caller's body order, so that the torque
    !> does not depend on how bodies are dealt out to blocks.
    type, abstract, extends(effect) :: pair_effect
    contains
-      procedure(lay_source), deferred :: lay_source
+      procedure(scatter_source), deferred :: scatter_source
       procedure(add_pair_torque), deferred :: add_torque
       procedure(add_pair_energy), deferred :: add_energy
       procedure(count_bodies), deferred :: bodies
@@ -98,7 +99,7 @@ module poinsot_effect_effect
       end subroutine apply
 
       !> sources(:, body(i)) = what the other bodies need to know of lane i; body = 0 is padding.
-      subroutine lay_source(self, number, body, q, sources)
+      subroutine scatter_source(self, number, body, q, sources)
          import :: pair_effect, dp, lanes
          implicit none(type, external)
          class(pair_effect), intent(in) :: self
@@ -106,7 +107,7 @@ module poinsot_effect_effect
          integer, intent(in) :: body(lanes)        !! number of the body in the caller's order
          real(dp), intent(in) :: q(lanes, 4)
          real(dp), intent(inout) :: sources(:, :)  !! (3, bodies)
-      end subroutine lay_source
+      end subroutine scatter_source
 
       !> g += body torque of every lane, from all sources.
       subroutine add_pair_torque(self, number, body, q, sources, g)
@@ -224,7 +225,7 @@ contains
       real(dp), intent(inout) :: sources(:, :)   !! (3, bodies), work space
       real(dp), intent(inout) :: g(:, :, :)      !! (lanes, 3, blocks)
       integer :: k
-      call lay_sources(self, number, body, q, sources)
+      call scatter_sources(self, number, body, q, sources)
       do k = 1, size(number)
          if (self%acts_on(number(k))) call self%add_torque(number(k), body(:, k), q(:, :, k), &
             sources, g(:, :, k))
@@ -240,7 +241,7 @@ contains
       real(dp), intent(inout) :: sources(:, :)
       real(dp), intent(inout) :: u(:, :)         !! (lanes, blocks)
       integer :: k
-      call lay_sources(self, number, body, q, sources)
+      call scatter_sources(self, number, body, q, sources)
       do k = 1, size(number)
          if (self%acts_on(number(k))) call self%add_energy(number(k), body(:, k), q(:, :, k), &
             sources, u(:, k))
@@ -269,7 +270,7 @@ contains
       end do
    end subroutine add_derivatives
 
-   subroutine lay_sources(self, number, body, q, sources)
+   subroutine scatter_sources(self, number, body, q, sources)
       class(pair_effect), intent(in) :: self
       integer, intent(in) :: number(:)
       integer, intent(in) :: body(:, :)
@@ -278,9 +279,9 @@ contains
       integer :: k
       sources = 0
       do k = 1, size(number)
-         if (self%acts_on(number(k))) call self%lay_source(number(k), body(:, k), &
+         if (self%acts_on(number(k))) call self%scatter_source(number(k), body(:, k), &
             q(:, :, k), sources)
       end do
-   end subroutine lay_sources
+   end subroutine scatter_sources
 
 end module poinsot_effect_effect

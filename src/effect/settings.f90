@@ -92,7 +92,7 @@ contains
          end if
          do j = 1, i - 1
             if (settings(j)%key == settings(i)%key) then
-               call refuse(info, info%keys(k), "is given twice", error)
+               call reject(info, info%keys(k), "is given twice", error)
                return
             end if
          end do
@@ -102,7 +102,7 @@ contains
       do k = 1, size(info%keys)
          if (info%keys(k)%default /= "required" .or. was_given(settings, &
             trim(info%keys(k)%name))) cycle
-         call refuse(info, info%keys(k), "is required: " // trim(info%keys(k)%meaning), error)
+         call reject(info, info%keys(k), "is required: " // trim(info%keys(k)%meaning), error)
          return
       end do
    end subroutine check_keys
@@ -115,38 +115,38 @@ contains
       character(12) :: least, most
       logical :: known
       if (key%is_text .and. .not. allocated(given%text)) then
-         call refuse(info, key, "takes a text", error)
+         call reject(info, key, "takes a text", error)
       else if (allocated(given%text) .and. .not. key%is_text) then
-         call refuse(info, key, "takes numbers only", error)
+         call reject(info, key, "takes numbers only", error)
       else if (key%is_text) then
          known = index(" " // trim(key%units) // " ", " " // given%text // " ") > 0
          if (key%units /= "" .and. .not. known) then
-            call refuse(info, key, "= '" // given%text // "' is not one of: " // &
+            call reject(info, key, "= '" // given%text // "' is not one of: " // &
                         trim(key%units), error)
          end if
       else if (.not. allocated(given%values)) then
-         call refuse(info, key, "takes numbers, none is given", error)
+         call reject(info, key, "takes numbers, none is given", error)
       else if (size(given%values) < key%least .or. (key%most >= 0 .and. size(given%values) &
          > key%most)) then
          write (least, "(i0)") key%least
          write (most, "(i0)") key%most
          if (key%most < 0) most = "more"
-         call refuse(info, key, &
+         call reject(info, key, &
                      "takes " // trim(least) // " to " // trim(most) // " numbers", error)
          error%code = poinsot_e_size
       else if (.not. all(ieee_is_finite(given%values))) then
-         call refuse(info, key, "has a value that is not finite", error)
+         call reject(info, key, "has a value that is not finite", error)
       end if
    end subroutine check_one
 
-   pure subroutine refuse(info, key, why, error)
+   pure subroutine reject(info, key, why, error)
       type(effect_info), intent(in) :: info
       type(effect_key), intent(in) :: key
       character(*), intent(in) :: why
       type(poinsot_error), intent(inout) :: error
       call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // "': key '" // &
          trim(key%name) // "' " // why)
-   end subroutine refuse
+   end subroutine reject
 
    !> Has the user said anything about this key?
    pure logical function was_given(settings, key)
@@ -215,7 +215,7 @@ contains
          values = values/largest
          direction = values/norm2(values)
       else
-         call refuse(info, info%keys(find_key(info, key)), &
+         call reject(info, info%keys(find_key(info, key)), &
                      "is a direction and must not be zero", error)
       end if
    end subroutine get_direction

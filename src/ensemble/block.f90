@@ -10,10 +10,10 @@ module poinsot_ensemble_block
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_free_limits, only: refuse_speed
+   use poinsot_free_limits, only: reject_speed
    use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, turned, to_native, &
       from_native
-   use poinsot_ensemble_transfer, only: arrays, look_at, copy_in, copy_out
+   use poinsot_ensemble_transfer, only: arrays, find_layout, copy_in, copy_out
    implicit none(type, external)
    private
    public :: block_state, host_arrays, open_host, load_block, store_block
@@ -33,7 +33,7 @@ module poinsot_ensemble_block
                                           !! is not looked at
       real(dp) :: add(lanes, 3)           !! in the caller's variable and frame
    contains
-      procedure :: refuse_values
+      procedure :: reject_values
    end type block_state
 
    !> The caller's arrays as one call sees them.
@@ -60,8 +60,8 @@ contains
       type(host_arrays), intent(out) :: host
       host%view = view
       host%momentum = momentum
-      call look_at(view%y, merge(4, 3, momentum == conjugate_momentum), view%n, host%y)
-      call look_at(view%q, 4, view%n, host%q)
+      call find_layout(view%y, merge(4, 3, momentum == conjugate_momentum), view%n, host%y)
+      call find_layout(view%q, 4, view%n, host%q)
    end subroutine open_host
 
    !> Fill a block with n bodies of one class and check them.
@@ -85,15 +85,15 @@ contains
       call copy_in(host%q, at, n, b%q)
       if (host%momentum == body_momentum .and. .not. turned(axes)) then
          call copy_in(host%y, at, n, b%y)
-         call refuse(3, [class%limit, 0.0_dp], b%y, b%q, b%status)
+         call reject(3, [class%limit, 0.0_dp], b%y, b%q, b%status)
       else
          p = 0
          call copy_in(host%y, at, n, p)
-         call refuse(4, spread(huge(p), 1, 4), p, b%q, b%status)
+         call reject(4, spread(huge(p), 1, 4), p, b%q, b%status)
          call to_native(host%momentum, axes, class, p, b%y, b%q)
-         call refuse_speed(class, b%y, b%status)
+         call reject_speed(class, b%y, b%status)
       end if
-      if (class%sorted(1) <= 0) call refuse_axis(class, b)
+      if (class%sorted(1) <= 0) call reject_axis_momentum(class, b)
       if (.not. host%wants_id) then
          continue
       else if (associated(host%view%id)) then
@@ -112,12 +112,12 @@ contains
       do l = 1, n
          b%carry(l, :) = host%view%carry(:, at(l))
       end do
-      call refuse_carry(b)
+      call reject_carry(b)
    end subroutine load_block
 
    !> A carry is what rounding left over. One that is not finite, or larger than that could be, is
    !> no carry.
-   pure subroutine refuse_carry(b)
+   pure subroutine reject_carry(b)
       type(block_state), intent(inout) :: b
       real(dp) :: largest
       integer :: l, j
@@ -133,7 +133,7 @@ contains
          b%status(l) = poinsot_e_domain
          b%carry(l, :) = 0
       end do
-   end subroutine refuse_carry
+   end subroutine reject_carry
 
    !> Lanes first to last at rest.
    pure subroutine rest(first, last, y, q)
@@ -149,7 +149,7 @@ contains
    !> Put lanes at rest whose momenta are not finite or beyond a limit, or whose quaternion is not
    !> of unit norm. Bits are compared: a comparison with a NaN would raise an exception in hosts
    !> that trap. A component of q above 2 counts as 2, so that its square is a number.
-   pure subroutine refuse(columns, limit, p, q, status)
+   pure subroutine reject(columns, limit, p, q, status)
       integer, intent(in) :: columns                !! of p, 3 or 4
       real(dp), intent(in) :: limit(4)
       real(dp), intent(inout) :: p(lanes, columns), q(lanes, 4)
@@ -172,7 +172,7 @@ contains
          p(l, :) = 0
          call rest(l, l, p, q)
       end do
-   end subroutine refuse
+   end subroutine reject
 
    !> Bits of |x|: they compare like the numbers, and infinite and NaN are at the top.
    elemental integer(i8) function magnitude(x)
@@ -188,7 +188,7 @@ contains
 
    !> Numbers that come with the bodies, a torque for instance: a lane where they are not finite
    !> fails, and gets zeros.
-   pure subroutine refuse_values(b, values)
+   pure subroutine reject_values(b, values)
       class(block_state), intent(inout) :: b
       real(dp), intent(inout) :: values(:, :)   !! (lanes, components)
       integer :: l, j
@@ -199,10 +199,10 @@ contains
             values(l, :) = 0
          end do
       end do
-   end subroutine refuse_values
+   end subroutine reject_values
 
    !> Momentum about an axis without inertia is refused; what rounding leaves there is dropped.
-   pure subroutine refuse_axis(class, b)
+   pure subroutine reject_axis_momentum(class, b)
       type(body_class), intent(in) :: class
       type(block_state), intent(inout) :: b
       integer :: j, l
@@ -216,7 +216,7 @@ contains
          end do
          b%y(:, j) = 0
       end do
-   end subroutine refuse_axis
+   end subroutine reject_axis_momentum
 
    !> Write back the bodies that did not fail, and every status. `keep_momentum`: a variable that
    !> free motion does not change (space-frame momentum) is left as it is, to the bit; so is
@@ -243,7 +243,7 @@ contains
          if (.not. keep_attitude) call copy_out(host%q, b%at, n, b%q)
       else
          call from_native(host%momentum, axes, class, b%y, b%q, p)
-         call close_ranks(b, p, at, n)
+         call pack_lanes(b, p, at, n)
          if (n > 0 .and. .not. keep_momentum) call copy_out(host%y, at, n, p)
          if (n > 0 .and. .not. keep_attitude) call copy_out(host%q, at, n, b%q)
       end if
@@ -254,7 +254,7 @@ contains
    end subroutine store_block
 
    !> Move the lanes that did not fail to the front.
-   pure subroutine close_ranks(b, p, at, n)
+   pure subroutine pack_lanes(b, p, at, n)
       type(block_state), intent(inout) :: b
       real(dp), intent(inout) :: p(lanes, 4)
       integer, intent(out) :: at(lanes), n
@@ -271,7 +271,7 @@ contains
       if (n == b%n) return
       p(1:n, :) = p(from(1:n), :)
       b%q(1:n, :) = b%q(from(1:n), :)
-   end subroutine close_ranks
+   end subroutine pack_lanes
 
    !> A kick in the caller's own variable: no turning there and back, no rounding but that of the
    !> sum. A sum that is not finite is not stored: the body fails.

@@ -6,9 +6,9 @@ module poinsot_ensemble_coupled
       poinsot_e_partial
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_plan, only: poinsot_plan
-   use poinsot_ensemble_system, only: torque_callback, ensemble_flows, lay_all, add_pairs
-   use poinsot_ensemble_gather, only: memory, gather_all, store_all, remember, go_back
-   use poinsot_splitting_stepper, only: run_steps, enter_kernel, leave_kernel
+   use poinsot_ensemble_system, only: torque_callback, ensemble_flows, scatter_all, add_pairs
+   use poinsot_ensemble_gather, only: saved_state, gather_all, store_all, save_state, restore_state
+   use poinsot_splitting_stepper, only: run_steps, apply_preprocessor, apply_postprocessor
    implicit none(type, external)
    private
    public :: torque_callback, run_coupled, coupled_energy
@@ -25,7 +25,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       class(torque_callback), intent(inout), optional, target :: callback
       type(ensemble_flows) :: system
-      type(memory), allocatable :: before(:)
+      type(saved_state), allocatable :: before(:)
       integer(i8) :: k
       integer :: state
       logical :: failed
@@ -45,17 +45,17 @@ contains
          status = merge(poinsot_e_partial, poinsot_ok, failed)
          return
       end if
-      call enter_kernel(plan%splitting, system, t, h, first)
+      call apply_preprocessor(plan%splitting, system, t, h, first)
       do k = first, first + steps - 1
-         if (present(callback)) call remember(system, before)
+         if (present(callback)) call save_state(system, before)
          call run_steps(plan%splitting, system, t, h, k, 1_i8)
          if (system%halted) exit
       end do
       if (system%halted) then
          call raise(error, poinsot_e_callback, "the callback asked to stop")
-         call go_back(system, before)
+         call restore_state(system, before)
       else
-         call leave_kernel(plan%splitting, system, t, h, first + steps)
+         call apply_postprocessor(plan%splitting, system, t, h, first + steps)
       end if
       call store_all(plan, view, system, failed)
       status = merge(poinsot_e_partial, poinsot_ok, failed)
@@ -80,7 +80,7 @@ contains
       call gather_all(plan, view, system, failed, error)
       status = error%code
       if (raised(error)) return
-      call lay_all(system)
+      call scatter_all(system)
       do k = 1, size(system%at)
          associate (s => system%at(k))
             call s%flows%energies(t, e, u)

@@ -9,7 +9,7 @@ module poinsot_ensemble_drive
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_block, only: block_state, host_arrays, open_host, load_block, store_block
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_deal, only: hand, chunk_count, deal_chunk, next_block
+   use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_count, collect_chunk, next_block
    !$ use omp_lib, only: omp_in_parallel, omp_get_max_threads
    implicit none(type, external)
    private
@@ -99,11 +99,11 @@ contains
       integer, intent(in) :: k
       class(block_job), intent(inout) :: job
       logical, intent(inout) :: failed
-      type(hand) :: h
+      type(class_sorted_chunk) :: h
       type(block_state) :: b
       integer :: first, n, c
 
-      call deal_chunk(host%view, size(classes), k, h, failed)
+      call collect_chunk(host%view, size(classes), k, h, failed)
       do
          call next_block(h, first, n, c)
          if (n == 0) exit

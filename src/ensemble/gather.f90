@@ -6,22 +6,22 @@ module poinsot_ensemble_gather
    use poinsot_effect_effect, only: pair_effect
    use poinsot_ensemble_block, only: host_arrays, open_host, load_block, store_block
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_deal, only: hand, chunk_count, deal_chunk, next_block
+   use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_count, collect_chunk, next_block
    use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
-   use poinsot_ensemble_system, only: ensemble_flows, station
+   use poinsot_ensemble_system, only: ensemble_flows, placed_block
    use poinsot_splitting_block_flows, only: block_flows
    !$ use omp_lib, only: omp_in_parallel, omp_get_max_threads
    implicit none(type, external)
    private
-   public :: memory, gather_all, store_all, remember, go_back
+   public :: saved_state, gather_all, store_all, save_state, restore_state
 
    integer, parameter :: blocks_per_thread = 4 !! with fewer, a thread costs more than it brings
 
    !> What a station needs to go back to: the state before a step.
-   type :: memory
+   type :: saved_state
       real(dp) :: y(lanes, 3), q(lanes, 4), carry(lanes, 7)
       integer :: status(lanes)
-   end type memory
+   end type saved_state
 
 contains
 
@@ -54,7 +54,7 @@ contains
       if (raised(error)) return
       call load_all(plan, view, composed, system, failed)
       do k = 1, size(composed)
-         system%has_outer = system%has_outer .or. composed(k)%has_outer
+         system%has_dissipation = system%has_dissipation .or. composed(k)%has_dissipation
       end do
    end subroutine gather_all
 
@@ -63,11 +63,11 @@ contains
       type(poinsot_plan), intent(in) :: plan
       type(body_view), intent(in) :: view
       logical, intent(inout) :: failed
-      type(hand) :: h
+      type(class_sorted_chunk) :: h
       integer :: c, first, n, class
       blocks = 0
       do c = 1, chunk_count(view%n)
-         call deal_chunk(view, size(plan%classes), c, h, failed)
+         call collect_chunk(view, size(plan%classes), c, h, failed)
          do
             call next_block(h, first, n, class)
             if (n == 0) exit
@@ -112,30 +112,30 @@ contains
       type(block_flows), intent(in) :: composed(:)    !! of each class
       type(ensemble_flows), intent(inout) :: system
       logical, intent(inout) :: failed
-      type(hand) :: h
+      type(class_sorted_chunk) :: h
       type(host_arrays) :: host
       integer :: c, k, first, n, class
       if (view%n > 0) call open_host(view, plan%momentum, host)
       host%wants_id = .true.
       k = 0
       do c = 1, chunk_count(view%n)
-         call deal_chunk(view, size(plan%classes), c, h, failed)
+         call collect_chunk(view, size(plan%classes), c, h, failed)
          do
             call next_block(h, first, n, class)
             if (n == 0) exit
             k = k + 1
-            call load_station(plan, host, composed(class), h%at(first:first + n - 1), n, &
+            call load_placed_block(plan, host, composed(class), h%at(first:first + n - 1), n, &
                               class, system%at(k))
          end do
       end do
    end subroutine load_all
 
-   subroutine load_station(plan, host, flows, places, n, class, s)
+   subroutine load_placed_block(plan, host, flows, places, n, class, s)
       type(poinsot_plan), intent(in) :: plan
       type(host_arrays), intent(in) :: host
       type(block_flows), intent(in) :: flows
       integer, intent(in) :: n, class, places(n)
-      type(station), intent(inout) :: s
+      type(placed_block), intent(inout) :: s
       s%flows = flows
       call load_block(host, places, n, class, plan%classes(class), plan%axes(:, class), s%b)
       s%b%at(n + 1:) = 0
@@ -145,7 +145,7 @@ contains
       s%flows%status = s%b%status
       s%flows%id = s%b%id
       s%flows%compensated = s%b%compensated
-   end subroutine load_station
+   end subroutine load_placed_block
 
    !> All blocks back into the caller's arrays.
    subroutine store_all(plan, view, system, failed)
@@ -191,21 +191,21 @@ contains
    end subroutine check_pairs
 
    !> Keep the state of all stations.
-   subroutine remember(system, before)
+   subroutine save_state(system, before)
       type(ensemble_flows), intent(in) :: system !! all blocks
-      type(memory), intent(inout) :: before(:)
+      type(saved_state), intent(inout) :: before(:)
       integer :: k
       do k = 1, size(before)
          associate (f => system%at(k)%flows)
-            before(k) = memory(f%y, f%q, f%carry, f%status)
+            before(k) = saved_state(f%y, f%q, f%carry, f%status)
          end associate
       end do
-   end subroutine remember
+   end subroutine save_state
 
    !> Put that state back.
-   subroutine go_back(system, before)
+   subroutine restore_state(system, before)
       type(ensemble_flows), intent(inout) :: system !! all blocks
-      type(memory), intent(in) :: before(:)
+      type(saved_state), intent(in) :: before(:)
       integer :: k
       do k = 1, size(before)
          associate (f => system%at(k)%flows)
@@ -215,6 +215,6 @@ contains
             f%status = before(k)%status
          end associate
       end do
-   end subroutine go_back
+   end subroutine restore_state
 
 end module poinsot_ensemble_gather

@@ -14,9 +14,9 @@ module poinsot_ensemble_step
    use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
    use poinsot_ensemble_rotate, only: rotate_job, check_step
    use poinsot_free_accumulate, only: add_kick, add_kick_compensated
-   use poinsot_free_limits, only: refuse_speed
+   use poinsot_free_limits, only: reject_speed
    use poinsot_splitting_block_flows, only: block_flows
-   use poinsot_splitting_stepper, only: run_steps, enter_kernel, leave_kernel
+   use poinsot_splitting_stepper, only: run_steps, apply_preprocessor, apply_postprocessor
    use poinsot_splitting_tableaux, only: splitting
    implicit none(type, external)
    private
@@ -126,7 +126,7 @@ contains
       job%first = first
       job%steps = steps
       job%compensated = associated(view%carry)
-      job%wants_id = any(job%flows%has_outer)
+      job%wants_id = any(job%flows%has_dissipation)
       status = for_each_block(view, plan%classes, plan%axes, plan%momentum, plan%threads, job)
    end subroutine step_bodies
 
@@ -150,10 +150,11 @@ contains
       integer :: i, j
       if (h >= 0) return
       do i = 1, size(flows)
-         if (.not. allocated(flows(i)%outers)) cycle
-         do j = 1, size(flows(i)%outers)
-            if (flows(i)%outers(j)%it%only_forward()) then
-               call raise(error, poinsot_e_domain, "effect '"//trim(flows(i)%outers(j)%it%name)// &
+         if (.not. allocated(flows(i)%dissipative)) cycle
+         do j = 1, size(flows(i)%dissipative)
+            if (flows(i)%dissipative(j)%it%only_forward()) then
+               call raise(error, poinsot_e_domain, &
+                  "effect '"//trim(flows(i)%dissipative(j)%it%name)// &
                           "' is defined for steps h > 0 only")
             end if
          end do
@@ -175,7 +176,7 @@ contains
    end subroutine check_ready
 
    !> A torque whose product with the step would leave the range of numbers: the body fails.
-   pure subroutine refuse_strong(h, b, torque)
+   pure subroutine reject_strong(h, b, torque)
       real(dp), intent(in) :: h
       type(block_state), intent(inout) :: b
       real(dp), intent(inout) :: torque(lanes, 3)
@@ -187,7 +188,7 @@ contains
          b%status(l) = poinsot_e_domain
          torque(l, :) = 0
       end do
-   end subroutine refuse_strong
+   end subroutine reject_strong
 
    subroutine run_kick(self, class, b)
       class(kick_job), intent(inout) :: self
@@ -201,8 +202,8 @@ contains
             dy(l, j) = self%torque(j)%of(b%at(l))
          end do
       end do
-      call b%refuse_values(dy)
-      call refuse_strong(self%h, b, dy)
+      call b%reject_values(dy)
+      call reject_strong(self%h, b, dy)
       if (self%same_frame .and. .not. b%compensated .and. all(class%inverse > 0)) then
          b%adding = .true.
          b%add = self%h*dy
@@ -218,7 +219,7 @@ contains
       else
          call add_kick(dy, b%y)
       end if
-      call refuse_speed(class, b%y, b%status)
+      call reject_speed(class, b%y, b%status)
    end subroutine run_kick
 
    subroutine run_step(self, class, b)
@@ -230,12 +231,12 @@ contains
          f%q = b%q
          f%fresh = .false.
          f%status = b%status
-         if (f%has_outer) f%id = b%id
+         if (f%has_dissipation) f%id = b%id
          f%compensated = self%compensated
          if (self%compensated) f%carry = b%carry
-         call enter_kernel(scheme, f, self%t, self%h, self%first)
+         call apply_preprocessor(scheme, f, self%t, self%h, self%first)
          call run_steps(scheme, f, self%t, self%h, self%first, self%steps)
-         call leave_kernel(scheme, f, self%t, self%h, self%first + self%steps)
+         call apply_postprocessor(scheme, f, self%t, self%h, self%first + self%steps)
          b%y = f%y
          b%q = f%q
          b%status = f%status

@@ -10,7 +10,7 @@ module poinsot_ensemble_system
    use poinsot_splitting_stepper, only: flows
    implicit none(type, external)
    private
-   public :: torque_callback, station, ensemble_flows, lay_all, add_pairs
+   public :: torque_callback, placed_block, ensemble_flows, scatter_all, add_pairs
 
    !> The host's torques for all bodies at once: extend this type, its components are the context.
    type, abstract :: torque_callback
@@ -34,15 +34,15 @@ module poinsot_ensemble_system
    end interface
 
    !> One block of the ensemble with its places in the caller's arrays.
-   type :: station
+   type :: placed_block
       type(block_flows) :: flows
       type(block_state) :: b
-   end type station
+   end type placed_block
 
    !> All blocks as one system for the stepper.
    type, extends(flows) :: ensemble_flows
       type(poinsot_plan), pointer :: plan => null()
-      type(station), allocatable :: at(:)
+      type(placed_block), allocatable :: at(:)
       class(torque_callback), pointer :: callback => null()
       real(dp), allocatable :: sources(:, :, :)  !! (3, n, effects): what pair effects lay out
       real(dp), allocatable :: changes(:, :)     !! (3, n): its derivative, of one effect
@@ -53,7 +53,7 @@ module poinsot_ensemble_system
    contains
       procedure :: drift => drift_all
       procedure :: kick => kick_all
-      procedure :: outer => outer_all
+      procedure :: dissipative_half_step => dissipate_all
    end type ensemble_flows
 
 contains
@@ -71,7 +71,7 @@ contains
       !$omp end parallel do
    end subroutine drift_all
 
-   subroutine outer_all(self, h, step, half)
+   subroutine dissipate_all(self, h, step, half)
       class(ensemble_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       integer(i8), intent(in) :: step
@@ -80,10 +80,11 @@ contains
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
       !$omp shared(self, h, step, half) private(k)
       do k = 1, size(self%at)
-         if (self%at(k)%flows%has_outer) call self%at(k)%flows%outer(h, step, half)
+         if (self%at(k)%flows%has_dissipation) call self%at(k)%flows%dissipative_half_step(h, &
+            step, half)
       end do
       !$omp end parallel do
-   end subroutine outer_all
+   end subroutine dissipate_all
 
    !> y += b g + c G for all bodies: own torques, pair torques, the host's.
    subroutine kick_all(self, t, b, c)
@@ -97,7 +98,7 @@ contains
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
       !$omp shared(self, b, c) private(k)
       do k = 1, size(self%at)
-         call self%at(k)%flows%push(b, c)
+         call self%at(k)%flows%apply_kick(b, c)
       end do
       !$omp end parallel do
    end subroutine kick_all
@@ -107,7 +108,7 @@ contains
       type(ensemble_flows), intent(inout) :: self
       real(dp), intent(in) :: t
       integer :: k, i
-      call lay_all(self)
+      call scatter_all(self)
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
       !$omp shared(self, t) private(k, i)
       do k = 1, size(self%at)
@@ -127,12 +128,12 @@ contains
       !$omp end parallel do
       if (associated(self%callback)) call ask_callback(self, t)
       do k = 1, size(self%at)
-         call self%at(k)%flows%freeze_torque()
+         call self%at(k)%flows%finish_torque()
       end do
    end subroutine evaluate_torques
 
    !> What each body shows to the others, into the sources.
-   subroutine lay_all(self)
+   subroutine scatter_all(self)
       type(ensemble_flows), intent(inout) :: self
       integer :: k, i
       if (self%plan%coupled) self%sources = 0
@@ -142,13 +143,13 @@ contains
             do k = 1, size(self%at)
                associate (s => self%at(k))
                   if (one%acts_on(s%b%class)) then
-                     call one%lay_source(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i))
+                     call one%scatter_source(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i))
                   end if
                end associate
             end do
          end select
       end do
-   end subroutine lay_all
+   end subroutine scatter_all
 
    !> Pair energies of block k.
    subroutine add_pairs(self, k, u)
@@ -196,7 +197,7 @@ contains
                g(l, :) = self%torque(s%b%at(l), :)
             end do
             s%b%status = s%flows%status
-            call s%b%refuse_values(g)
+            call s%b%reject_values(g)
             s%flows%status = s%b%status
             call turn_to_body(self%plan%space_torque, self%plan%axes(:, s%b%class), s%flows%q, g)
             s%flows%g = s%flows%g + g

@@ -7,7 +7,7 @@ module poinsot_ensemble_transfer
    use poinsot_ensemble_bodies, only: column
    implicit none(type, external)
    private
-   public :: arrays, look_at, copy_in, copy_out
+   public :: arrays, find_layout, copy_in, copy_out
 
    integer, parameter :: bytes = storage_size(1.0_dp)/8
 
@@ -22,7 +22,7 @@ module poinsot_ensemble_transfer
 contains
 
    !> Find out how n bodies lie in memory.
-   subroutine look_at(from, columns, n, a)
+   subroutine find_layout(from, columns, n, a)
       type(column), intent(in) :: from(:)
       integer, intent(in) :: columns, n
       type(arrays), intent(out) :: a
@@ -43,7 +43,7 @@ contains
       if (.not. are_rows) return
       base = c_loc(from(1)%of(1))
       call c_f_pointer(base, a%rows, [columns, n])
-   end subroutine look_at
+   end subroutine find_layout
 
    !> The address of a number.
    integer(c_intptr_t) function address(x)

@@ -5,13 +5,13 @@ module poinsot_free_limits
    use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
-   public :: refuse_speed, refuse_torque
+   public :: reject_speed, reject_torque
 
 contains
 
    !> Lanes that turn faster than 1e70, or whose momentum is no number (what a kick can do), get
    !> POINSOT_E_DOMAIN and stand still with y = 0.
-   pure subroutine refuse_speed(class, y, status)
+   pure subroutine reject_speed(class, y, status)
       type(body_class), intent(in) :: class !! of these bodies
       real(dp), intent(inout) :: y(lanes, 3)
       integer, intent(inout) :: status(lanes)
@@ -30,11 +30,11 @@ contains
          if (status(l) == poinsot_ok) status(l) = poinsot_e_domain
          y(l, :) = 0
       end do
-   end subroutine refuse_speed
+   end subroutine reject_speed
 
    !> Lanes whose torque a force gradient cannot square, g g/I beyond 1e300, or is no number, get
    !> POINSOT_E_DOMAIN and no torque.
-   pure subroutine refuse_torque(class, g, status)
+   pure subroutine reject_torque(class, g, status)
       type(body_class), intent(in) :: class          !! of these bodies
       real(dp), intent(inout) :: g(lanes, 3)         !! body torque
       integer, intent(inout) :: status(lanes)
@@ -53,7 +53,7 @@ contains
          if (status(l) == poinsot_ok) status(l) = poinsot_e_domain
          g(l, :) = 0
       end do
-   end subroutine refuse_torque
+   end subroutine reject_torque
 
    !> Bits of |x|: they compare like the numbers, and infinite and NaN are at the top. No comparison
    !> of a NaN, which would raise an exception in hosts that trap.

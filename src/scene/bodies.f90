@@ -5,7 +5,7 @@ module poinsot_scene_bodies
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: body_group, random_none, random_uniform, random_thermal
    use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
-      integer_of, complain
+      integer_of, reject_key
    use poinsot_rotation_quaternion, only: quaternion_product, unit_tolerance
    use poinsot_scene_inertia, only: find_moments
    implicit none(type, external)
@@ -48,17 +48,17 @@ contains
       end select
       bodies%temperature = number_of(group, "temperature")
       if (bodies%random == random_thermal .neqv. given(group, "temperature")) then
-         call complain(group, "temperature", &
+         call reject_key(group, "temperature", &
                        "goes with random = 'thermal' and is needed there", error)
       else if (bodies%temperature < 0) then
-         call complain(group, "temperature", "= " // text_of(bodies%temperature) // &
+         call reject_key(group, "temperature", "= " // text_of(bodies%temperature) // &
                        " must not be negative", error)
       else if (bodies%random /= random_none .and. given(group, "q")) then
-         call complain(group, "q", "is given, and random = '" // word_of(group, "random") // &
+         call reject_key(group, "q", "is given, and random = '" // word_of(group, "random") // &
                        "' asks for random attitudes; leave one of them out", error)
       else if (bodies%random == random_thermal .and. &
                (given(group, "y") .or. given(group, "omega"))) then
-         call complain(group, "random", &
+         call reject_key(group, "random", &
                        "= 'thermal' draws the momenta; leave y and omega out", error)
       end if
    end subroutine build_random
@@ -73,12 +73,13 @@ contains
       call numbers_of(group, "q", q)
       largest = maxval(abs(q))
       if (largest <= 0) then
-         call complain(group, "q", "is zero; no rotation is 1, 0, 0, 0", error)
+         call reject_key(group, "q", "is zero; no rotation is 1, 0, 0, 0", error)
          return
       end if
       norm = norm2(q/largest)
       if (largest > 2 .or. abs(norm*min(largest, 2.0_dp) - 1) > unit_tolerance) then
-         call complain(group, "q", "is not a unit quaternion; with its length divided out it " // &
+         call reject_key(group, "q", &
+            "is not a unit quaternion; with its length divided out it " // &
                        "is " // text_of(q/largest/norm), error)
          return
       end if
@@ -96,7 +97,7 @@ contains
       character(:), allocatable :: key
       integer :: j
       if (given(group, "y") .and. given(group, "omega")) then
-         call complain(group, "omega", "and y are both given; leave one of them out", error)
+         call reject_key(group, "omega", "and y are both given; leave one of them out", error)
          return
       end if
       key = "y"
@@ -107,7 +108,7 @@ contains
       if (bodies%turned) vector = matmul(transpose(bodies%axes), vector)
       if (key == "omega") then
          if (any(abs(vector) > 1e150_dp .and. bodies%moments > 1e150_dp)) then
-            call complain(group, key, "times the moments is beyond the range of numbers", error)
+            call reject_key(group, key, "times the moments is beyond the range of numbers", error)
             return
          end if
          bodies%y = bodies%moments*vector
@@ -119,7 +120,7 @@ contains
              abs(vector) <= 1e-13_dp*maxval(abs(vector))) bodies%y = 0
       do j = 1, 3
          if (bodies%moments(j) > 0 .or. abs(bodies%y(j)) <= 0) cycle
-         call complain(group, &
+         call reject_key(group, &
                        "y", "has momentum " // text_of(vector(j)) // " about principal axis " // &
                        text_of(j) // ", whose moment is zero; only 0 is possible there", error)
          return

@@ -6,12 +6,13 @@ module poinsot_scene_build
    use poinsot_core_nearest, only: nearest_name
    use poinsot_effect_settings, only: effect_info, setting
    use poinsot_scene_text, only: text_of, quoted
-   use poinsot_scene_source, only: scene_source, find_group, refuse
+   use poinsot_scene_source, only: scene_source, find_group, reject
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_names, only: effect_table, method_list, splitting_list, is_exact_method
-   use poinsot_scene_typed_group, only: typed_group, meet, given, number_of, numbers_of, word_of, &
-      integer_of, plain, complain
+   use poinsot_scene_typed_group, only: typed_group, type_group, given, number_of, numbers_of, &
+      word_of, &
+      integer_of, plain, reject_key
    use poinsot_scene_bodies, only: build_bodies
    use poinsot_scene_effects, only: build_effects
    use poinsot_scene_schedule, only: step_total, output_count
@@ -64,24 +65,24 @@ contains
       known(4:) = effects%name
       do i = 1, source%count
          if (.not. any(known == source%groups(i)%name)) then
-            call refuse(error, source%file, source%groups(i)%line, "unknown group " // &
+            call reject(error, source%file, source%groups(i)%line, "unknown group " // &
                         quoted("&" // source%groups(i)%name) // "; the nearest known group " // &
                         "is ""&" // nearest_name(source%groups(i)%name, known) // """")
             return
          end if
          first = find_group(source, source%groups(i)%name)
          if (first < i .and. source%groups(i)%name /= "bodies") then
-            call refuse(error, source%file, source%groups(i)%line, "a second &" // &
+            call reject(error, source%file, source%groups(i)%line, "a second &" // &
                         source%groups(i)%name // ", the first is in line " // &
                         text_of(source%groups(first)%line) // "; only &bodies may be repeated")
             return
          end if
       end do
       if (find_group(source, "scene") == 0) then
-         call refuse(error, source%file, 0, &
+         call reject(error, source%file, 0, &
             "has no &scene group; t_end at least must be given there")
       else if (find_group(source, "bodies") == 0) then
-         call refuse(error, source%file, 0, "has no &bodies group; at least one body is needed")
+         call reject(error, source%file, 0, "has no &bodies group; at least one body is needed")
       end if
    end subroutine check_groups
 
@@ -94,7 +95,7 @@ contains
       type(effect_info) :: info
       integer(i8) :: threads
       call scene_keys(info)
-      call meet(source%file, source%groups(find_group(source, "scene")), info, group, error)
+      call type_group(source%file, source%groups(find_group(source, "scene")), info, group, error)
       if (raised(error)) return
       scene%t_end = number_of(group, "t_end")
       scene%h = number_of(group, "h")
@@ -104,14 +105,15 @@ contains
       scene%from = word_of(group, "from")
       scene%chosen = ""
       if (scene%t_end <= 0) then
-         call complain(group, "t_end", "= " // text_of(scene%t_end) // " must be positive", error)
+         call reject_key(group, "t_end", "= " // text_of(scene%t_end) // " must be positive", error)
       else if (scene%h < 0 .or. (given(group, "h") .and. scene%h <= 0)) then
-         call complain(group, "h", "= " // text_of(scene%h) // " must be positive", error)
+         call reject_key(group, "h", "= " // text_of(scene%h) // " must be positive", error)
       else if (scene%h > 0 .and. scene%t_end/max(scene%h, 1e-290_dp) > most_steps) then
-         call complain(group, "h", "= " // text_of(scene%h) // " makes more than 1e15 steps " // &
+         call reject_key(group, "h", "= " // text_of(scene%h) // " makes more than 1e15 steps " // &
                        "to t_end = " // text_of(scene%t_end) // "; give a longer step", error)
       else if (scene%tol < 1e-15_dp .or. scene%tol > 1) then
-         call complain(group, "tol", "= " // text_of(scene%tol) // " is not from 1e-15 to 1", error)
+         call reject_key(group, "tol", "= " // text_of(scene%tol) // " is not from 1e-15 to 1", &
+            error)
       end if
       if (.not. raised(error)) then
          call integer_of(group, "seed", -9007199254740992_i8, &
@@ -136,7 +138,7 @@ contains
          call splitting_list(known)
       end if
       if (any(known == name)) return
-      call complain(group, key, "= " // quoted(name) // ": unknown " // key // &
+      call reject_key(group, key, "= " // quoted(name) // ": unknown " // key // &
                     "; the nearest known one is """ // &
                     nearest_name(name(:min(len(name), 60)), known) // """ (poinsot " // key // &
                     "s shows all)", error)
@@ -158,11 +160,11 @@ contains
       call bodies_keys(info)
       do i = 1, groups
          found = find_group(source, "bodies", i)
-         call meet(source%file, source%groups(found), info, group, error)
+         call type_group(source%file, source%groups(found), info, group, error)
          if (.not. raised(error)) call build_bodies(group, scene%bodies(i), error)
          if (raised(error)) return
          if (body_total(scene) <= largest_count) cycle
-         call complain(group, "count", &
+         call reject_key(group, "count", &
                        "makes more than " // text_of(largest_count) // " bodies", error)
          return
       end do
@@ -183,7 +185,7 @@ contains
       k = find_group(source, "output")
       if (k == 0) return
       call output_keys(info)
-      call meet(source%file, source%groups(k), info, group, error)
+      call type_group(source%file, source%groups(k), info, group, error)
       if (raised(error)) return
       scene%output%present = .true.
       word = word_of(group, "format")
@@ -192,7 +194,7 @@ contains
       scene%output%pictures = word_of(group, "pictures")
       scene%output%restart = word_of(group, "restart")
       if (index(scene%output%restart, "/") > 0) then
-         call complain(group, "restart", "= " // quoted(scene%output%restart) // &
+         call reject_key(group, "restart", "= " // quoted(scene%output%restart) // &
                        " is the name of a file in the output folder and has no /", error)
          return
       end if
@@ -223,7 +225,7 @@ contains
       if (size(axis) == 0) axis = centre
       if (size(axis) == 0) axis = scene%output%axis
       if (maxval(abs(axis)) <= 0) then
-         call complain(group, "axis", "is zero; a direction is needed", error)
+         call reject_key(group, "axis", "is zero; a direction is needed", error)
          return
       end if
       axis = axis/maxval(abs(axis))
@@ -255,24 +257,24 @@ contains
       type(poinsot_error), intent(inout) :: error
       integer :: n
       if (given(group, "every") .eqv. given(group, "times")) then
-         call complain(group, "every", "or times must be given, one of the two", error)
+         call reject_key(group, "every", "or times must be given, one of the two", error)
       else if (given(group, "every")) then
          scene%output%every = number_of(group, "every")
          if (scene%output%every <= 0) then
-            call complain(group, "every", "= " // text_of(scene%output%every) // &
+            call reject_key(group, "every", "= " // text_of(scene%output%every) // &
                           " must be positive", error)
          else if (scene%t_end/max(scene%output%every, 1e-290_dp) > most_outputs) then
-            call complain(group, "every", "= " // text_of(scene%output%every) // &
+            call reject_key(group, "every", "= " // text_of(scene%output%every) // &
                           " makes more than 1e9 outputs", error)
          end if
       else
          call numbers_of(group, "times", scene%output%times)
          n = size(scene%output%times)
          if (scene%output%times(1) < 0 .or. scene%output%times(n) > scene%t_end) then
-            call complain(group, "times", "leave the run from 0 to t_end = " // &
+            call reject_key(group, "times", "leave the run from 0 to t_end = " // &
                           text_of(scene%t_end), error)
          else if (any(scene%output%times(2:) <= scene%output%times(:n - 1))) then
-            call complain(group, "times", "must ascend", error)
+            call reject_key(group, "times", "must ascend", error)
          end if
       end if
    end subroutine build_times
@@ -289,7 +291,7 @@ contains
       if (raised(error)) return
       if (sample > 0) then
          if (given(group, "bodies")) then
-            call complain(group, "sample", "and bodies are both given; leave one out", error)
+            call reject_key(group, "sample", "and bodies are both given; leave one out", error)
          end if
          scene%output%bodies = [(1 + (i - 1)*body_total(scene)/sample, i=1, int(sample))]
          return
@@ -299,13 +301,13 @@ contains
          if (numbers(i) >= 1 .and. numbers(i) <= real(body_total(scene), dp)) then
             if (abs(numbers(i) - aint(numbers(i))) <= 0) cycle
          end if
-         call complain(group, "bodies", "names body " // plain(numbers(i)) // &
+         call reject_key(group, "bodies", "names body " // plain(numbers(i)) // &
                        "; the scene has bodies 1 to " // text_of(body_total(scene)), error)
          return
       end do
       scene%output%bodies = nint(numbers, i8)
       if (all(scene%output%bodies(2:) > scene%output%bodies(:max(size(numbers) - 1, 0)))) return
-      call complain(group, "bodies", "must ascend, each number once", error)
+      call reject_key(group, "bodies", "must ascend, each number once", error)
    end subroutine build_choice
 
    !> What only the whole scene shows.
@@ -316,14 +318,14 @@ contains
       integer :: line
       line = source%groups(find_group(source, "scene"))%line
       if (step_total(scene) > most_steps) then
-         call refuse(error, scene%file, line, "&scene: more than 1e15 steps; give a longer h")
+         call reject(error, scene%file, line, "&scene: more than 1e15 steps; give a longer h")
       else if (is_auto(scene)) then
          return ! the step will be chosen too; one that is given is the longest allowed
       else if (scene%h <= 0 .and. size(scene%effects) > 0) then
-         call refuse(error, scene%file, line, "&scene: the key ""h"" is required, because of &" // &
+         call reject(error, scene%file, line, "&scene: the key ""h"" is required, because of &" // &
                      scene%effects(1)%name // "; only free bodies do without")
       else if (scene%h <= 0 .and. .not. is_exact_method(scene%method)) then
-         call refuse(error, scene%file, line, "&scene: the key ""h"" is required for method " // &
+         call reject(error, scene%file, line, "&scene: the key ""h"" is required for method " // &
                      "= '" // scene%method // "'; only 'exact' and 'jacobi' do without")
       end if
    end subroutine check_run

@@ -3,10 +3,10 @@
 module poinsot_scene_cursor
    use poinsot_core_error, only: poinsot_error
    use poinsot_scene_text, only: lower, text_of
-   use poinsot_scene_source, only: scene_entry, refuse
+   use poinsot_scene_source, only: scene_entry, reject
    implicit none(type, external)
    private
-   public :: cursor, open_cursor, skip, word_at, scan_name, complain
+   public :: cursor, open_cursor, skip, word_at, scan_name, reject_key
    public :: newline, tab, letters, name_set, longest_name
 
    integer, parameter :: longest_name = 63 !! of a group or a key
@@ -51,7 +51,7 @@ contains
          end if
          if (code == 10) line = line + 1
          if ((code < 32 .and. code /= 9 .and. code /= 10) .or. code == 127) then
-            call refuse(error, file, line, "holds the byte " // text_of(code) // &
+            call reject(error, file, line, "holds the byte " // text_of(code) // &
                         ": not a text file; a scene is plain text (ASCII or UTF-8)")
             return
          end if
@@ -109,13 +109,13 @@ contains
    end subroutine scan_name
 
    !> Raise POINSOT_E_SCENE naming file, line, group and key.
-   subroutine complain(here, group, entry, message, error)
+   subroutine reject_key(here, group, entry, message, error)
       type(cursor), intent(in) :: here  !! where the reader is
       character(*), intent(in) :: group !! its name
       type(scene_entry), intent(in) :: entry
       character(*), intent(in) :: message
       type(poinsot_error), intent(inout) :: error
-      call refuse(error, here%file, here%line, "&" // group // " " // entry%key // message)
-   end subroutine complain
+      call reject(error, here%file, here%line, "&" // group // " " // entry%key // message)
+   end subroutine reject_key
 
 end module poinsot_scene_cursor

@@ -6,11 +6,12 @@ module poinsot_scene_effects
    use poinsot_effect_effect, only: effect
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: effect_info, setting, was_given, number_setting
-   use poinsot_scene_source, only: scene_source, find_group, refuse
+   use poinsot_scene_source, only: scene_source, find_group, reject
    use poinsot_scene_text, only: text_of
    use poinsot_scene_names, only: effect_table
    use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
-   use poinsot_scene_typed_group, only: typed_group, meet, given, word_of, number_of, complain
+   use poinsot_scene_typed_group, only: typed_group, type_group, given, word_of, number_of, &
+      reject_key
    use poinsot_scene_table, only: read_table
    implicit none(type, external)
    private
@@ -51,13 +52,13 @@ contains
       type(typed_group) :: group
       type(poinsot_error) :: refused
       class(effect), allocatable :: made
-      call meet(source%file, source%groups(k), info, group, error)
+      call type_group(source%file, source%groups(k), info, group, error)
       if (raised(error)) return
       item%name = group%name
       item%line = group%line
       item%settings = group%settings
       if (number_of(group, "class") > size(scene%bodies)) then
-         call complain(group, "class", "= " // text_of(nint(number_of(group, "class"))) // &
+         call reject_key(group, "class", "= " // text_of(nint(number_of(group, "class"))) // &
                        " is not the number of a &bodies group; there are " // &
                        text_of(size(scene%bodies)), error)
          return
@@ -67,7 +68,7 @@ contains
       if (raised(error)) return
       call make_effect(item%name, item%settings, made, refused)
       if (raised(refused)) then
-         call refuse(error, source%file, group%line, "&" // group%name // ": " // &
+         call reject(error, source%file, group%line, "&" // group%name // ": " // &
                      without(refused%message, "effect '" // group%name // "': "))
       end if
    end subroutine build_one
@@ -92,19 +93,19 @@ contains
       integer :: i, n
       if (.not. given(group, "file")) return
       if (given(group, "times") .or. given(group, "table")) then
-         call complain(group, "file", "and times or table are both given; leave one out", error)
+         call reject_key(group, "file", "and times or table are both given; leave one out", error)
          return
       end if
       name = word_of(group, "file")
       if (len(name) == 0) then
-         call complain(group, "file", &
+         call reject_key(group, "file", &
                        "is empty; name a file with lines of t and three torques", error)
          return
       end if
       if (name(1:1) /= "/") name = scene_file(:index(scene_file, "/", back=.true.)) // name
       call read_table(name, 3, times, rows, refused)
       if (raised(refused)) then
-         call complain(group, "file", "refused: " // refused%message, error)
+         call reject_key(group, "file", "refused: " // refused%message, error)
          return
       end if
       n = 0

@@ -11,7 +11,7 @@ module poinsot_scene_engine
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, effect_setting
    use poinsot_scene_states, only: body_states
-   use poinsot_scene_crew, only: run_crew, slice_of
+   use poinsot_scene_communicator, only: communicator, slice_of
    use poinsot_scene_turn, only: turn_effect, any_turned
    implicit none(type, external)
    private
@@ -98,22 +98,23 @@ contains
 
    !> Steps number `first` to `first + steps - 1` of length h; step k begins at `origin + k h`, so
    !> that the bits of a run do not depend on where calls cut it. The bodies of this rank only, if
-   !> there is a crew. Error: POINSOT_E_PARTIAL on all ranks if bodies failed, naming the first.
-   subroutine engine_step(this, states, origin, h, first, steps, error, crew)
+   !> there are several ranks. Error: POINSOT_E_PARTIAL on all ranks if bodies failed, naming the
+   !> first.
+   subroutine engine_step(this, states, origin, h, first, steps, error, ranks)
       type(engine), intent(in), target :: this
       type(body_states), intent(inout), target :: states
       real(dp), intent(in) :: origin, h
       integer(i8), intent(in) :: first, steps
       type(poinsot_error), intent(inout) :: error
-      class(run_crew), intent(inout), optional :: crew
+      class(communicator), intent(inout), optional :: ranks
       type(body_view) :: view
       integer(i8), allocatable, target :: id(:)
       integer :: status, i, from, to
       states%status = poinsot_ok
       from = 1
       to = states%n
-      if (present(crew)) then
-         if (.not. couples_bodies(this)) call slice_of(crew%number, crew%size, states%n, from, to)
+      if (present(ranks)) then
+         if (.not. couples_bodies(this)) call slice_of(ranks%number, ranks%size, states%n, from, to)
       end if
       status = poinsot_ok
       if (to >= from) then
@@ -125,8 +126,8 @@ contains
          end if
          call step_bodies(this%plan, view, origin, h, first, steps, status, error)
       end if
-      if (present(crew)) then
-         if (crew%size > 1) call join(crew, this, states, status, error)
+      if (present(ranks)) then
+         if (ranks%size > 1) call join(ranks, this, states, status, error)
       end if
       if (raised(error) .or. status == poinsot_ok) return
       do i = 1, states%n - 1
@@ -139,21 +140,21 @@ contains
    end subroutine engine_step
 
    !> What went wrong on any rank is known to all; bodies that failed, with their states.
-   subroutine join(crew, this, states, status, error)
-      class(run_crew), intent(inout) :: crew
+   subroutine join(ranks, this, states, status, error)
+      class(communicator), intent(inout) :: ranks
       type(engine), intent(in) :: this
       type(body_states), intent(inout) :: states
       integer, intent(inout) :: status
       type(poinsot_error), intent(inout) :: error
       integer :: code
-      code = crew%worst(error%code)
+      code = ranks%max_over_ranks(error%code)
       if (code /= poinsot_ok) then
          if (.not. raised(error)) call raise(error, code, "another rank failed: " // &
             status_text(code))
          return
       end if
-      status = crew%worst(status)
-      if (status /= poinsot_ok .and. .not. couples_bodies(this)) call crew%share(states)
+      status = ranks%max_over_ranks(status)
+      if (status /= poinsot_ok .and. .not. couples_bodies(this)) call ranks%allgather(states)
    end subroutine join
 
    !> Energies of all bodies at time t.

@@ -9,7 +9,8 @@ module poinsot_scene_inertia
    use poinsot_core_nearest, only: nearest_name
    use poinsot_scene_text, only: quoted
    use poinsot_scene_settings, only: body_group
-   use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, complain
+   use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
+      reject_key
    implicit none(type, external)
    private
    public :: find_moments
@@ -24,16 +25,16 @@ contains
       real(dp), allocatable :: values(:)
       select case (count([given(group, "moments"), given(group, "tensor"), given(group, "shape")]))
       case (0)
-         call complain(group, "moments", "are missing (or a tensor, or a shape)", error)
+         call reject_key(group, "moments", "are missing (or a tensor, or a shape)", error)
          return
       case (2:)
-         call complain(group, "moments", "tensor and shape: give one of them only", error)
+         call reject_key(group, "moments", "tensor and shape: give one of them only", error)
          return
       case default
          continue
       end select
       if (.not. given(group, "shape") .and. (given(group, "mass") .or. given(group, "size"))) then
-         call complain(group, "shape", "is missing, but mass or size is given", error)
+         call reject_key(group, "shape", "is missing, but mass or size is given", error)
       else if (given(group, "tensor")) then
          call from_tensor(group, bodies, error)
       else if (given(group, "shape")) then
@@ -70,7 +71,7 @@ contains
       character(:), allocatable :: name
       name = word_of(group, "shape")
       if (shape_sizes(name) < 0) then
-         call complain(group, "shape", &
+         call reject_key(group, "shape", &
                        "= " // quoted(name) // ": unknown shape; the nearest known one is """ // &
                        nearest_name(name(:min(len(name), 60)), shape_names()) // """", error)
          return
@@ -93,7 +94,7 @@ contains
       if (.not. raised(error)) return
       message = error%message
       call clear(error)
-      call complain(group, key, "refused: " // message, error)
+      call reject_key(group, key, "refused: " // message, error)
    end subroutine relabel
 
 end module poinsot_scene_inertia

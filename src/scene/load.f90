@@ -3,7 +3,7 @@ module poinsot_scene_load
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_scene_text, only: reason_of, text_of
-   use poinsot_scene_source, only: refuse
+   use poinsot_scene_source, only: reject
    implicit none(type, external)
    private
    public :: load_text
@@ -28,7 +28,7 @@ contains
       end if
       inquire (unit=unit, size=length)
       if (length > largest_file) then
-         call refuse(error, file, 0, "is " // text_of(length) // " bytes long; a scene has at " // &
+         call reject(error, file, 0, "is " // text_of(length) // " bytes long; a scene has at " // &
                      "most " // text_of(largest_file))
       else if (length > 0) then
          allocate (character(length) :: text, stat=code)
@@ -57,7 +57,7 @@ contains
          read (unit, iostat=code) byte
          if (code /= 0) exit
          if (count == largest_file) then
-            call refuse(error, file, 0, "has no end within " // text_of(largest_file) // " bytes")
+            call reject(error, file, 0, "has no end within " // text_of(largest_file) // " bytes")
             return
          end if
          if (count == len(text)) then

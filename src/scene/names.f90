@@ -8,7 +8,7 @@ module poinsot_scene_names
    private
    public :: method_list, splitting_list, effect_table, is_exact_method
 
-   character(*), parameter :: programs_own = "callback" !! an effect that no scene can hold
+   character(*), parameter :: of_programs = "callback" !! an effect that no scene can hold
 
 contains
 
@@ -43,7 +43,7 @@ contains
       do i = 1, effect_count
          n = n + 1
          effects(n) = describe_effect(i)
-         if (effects(n)%name == programs_own) n = n - 1
+         if (effects(n)%name == of_programs) n = n - 1
       end do
       effects = effects(:n)
    end subroutine effect_table

@@ -7,7 +7,7 @@ module poinsot_scene_override
    use poinsot_scene_number, only: parse_integer, number_ok
    use poinsot_scene_values, only: scan_values
    use poinsot_scene_source, only: scene_source, scene_group, scene_entry, append, find_group, &
-      refuse, from_option
+      reject, from_option
    implicit none(type, external)
    private
    public :: override
@@ -29,7 +29,7 @@ contains
       equals = index(text, "=")
       dot = index(text(:max(equals - 1, 0)), ".")
       if (dot < 2 .or. equals < dot + 2 .or. equals == len(text)) then
-         call refuse(error, place, 0, quoted(text) // " is not of the form group.key=value, " // &
+         call reject(error, place, 0, quoted(text) // " is not of the form group.key=value, " // &
                      "as in scene.h=0.1")
          return
       end if
@@ -40,7 +40,7 @@ contains
       if (.not. raised(error)) call scan_values(text(equals + 1:), place, group, entry, error)
       if (raised(error)) return
       if (group == "bodies" .and. nth == 0 .and. find_group(source, "bodies", 2) > 0) then
-         call refuse(error, place, 0, quoted(text) // ": the scene has several &bodies " // &
+         call reject(error, place, 0, quoted(text) // ": the scene has several &bodies " // &
                      "groups; name one, as in bodies(2)." // entry%key)
          return
       end if
@@ -65,7 +65,7 @@ contains
          if (number < 1 .or. number > 1000000) outcome = number_ok + 1
       end if
       if (outcome /= number_ok) then
-         call refuse(error, place, 0, quoted(group) // " does not name a group, as bodies(2) does")
+         call reject(error, place, 0, quoted(group) // " does not name a group, as bodies(2) does")
          return
       end if
       nth = int(number)
@@ -83,7 +83,7 @@ contains
       integer :: k, i, kept
       k = find_group(source, name, nth)
       if (k == 0 .and. nth > 1) then
-         call refuse(error, place, 0, "there is no &" // name // " group number " // text_of(nth))
+         call reject(error, place, 0, "there is no &" // name // " group number " // text_of(nth))
          return
       end if
       if (k == 0) then

@@ -14,9 +14,9 @@ module poinsot_scene_reader
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: text_of, quoted
    use poinsot_scene_number, only: parse_integer, number_ok
-   use poinsot_scene_source, only: scene_entry, scene_group, scene_source, append, refuse
+   use poinsot_scene_source, only: scene_entry, scene_group, scene_source, append, reject
    use poinsot_scene_load, only: load_text
-   use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, scan_name, complain, &
+   use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, scan_name, reject_key, &
       newline, longest_name
    use poinsot_scene_values, only: scan_list
    implicit none(type, external)
@@ -55,7 +55,7 @@ contains
          call skip(here)
          if (here%at > len(here%text)) exit
          if (here%text(here%at:here%at) /= "&") then
-            call refuse(error, file, here%line, quoted(word_at(here)) // " stands outside of " // &
+            call reject(error, file, here%line, quoted(word_at(here)) // " stands outside of " // &
                         "a group; a group begins with &name and ends with /, a comment with !")
             return
          end if
@@ -64,7 +64,7 @@ contains
       end do
       if (raised(error)) return
       if (source%count == 0) then
-         call refuse(error, file, 0, "holds no group; a scene has at least &scene and &bodies")
+         call reject(error, file, 0, "holds no group; a scene has at least &scene and &bodies")
       end if
    end subroutine scan_source
 
@@ -80,14 +80,14 @@ contains
       here%at = here%at + 1
       call scan_name(here, group%name)
       if (len(group%name) == 0 .or. len(group%name) > longest_name) then
-         call refuse(error, here%file, here%line, "& is not followed by the name of " // &
+         call reject(error, here%file, here%line, "& is not followed by the name of " // &
                      "a group, as in &scene")
          return
       end if
       do
          call skip(here)
          if (here%at > len(here%text)) then
-            call refuse(error, here%file, group%line, "&" // group%name // &
+            call reject(error, here%file, group%line, "&" // group%name // &
                         " begins here and is not closed by /")
             return
          end if
@@ -100,7 +100,7 @@ contains
             here%at = here%at + 1
             call scan_name(here, name)
             if (name == "end") return
-            call refuse(error, here%file, here%line, "&" // name // " begins inside of &" // &
+            call reject(error, here%file, here%line, "&" // name // " begins inside of &" // &
                         group%name // " (line " // text_of(group%line) // &
                         "): is the closing / missing?")
             return
@@ -123,7 +123,7 @@ contains
       found = word_at(here)
       call scan_name(here, entry%key)
       if (len(entry%key) == 0 .or. len(entry%key) > longest_name) then
-         call refuse(error, here%file, here%line, "&" // group // ": " // quoted(found) // &
+         call reject(error, here%file, here%line, "&" // group // ": " // quoted(found) // &
                      " where a key is expected, as in key = value")
          return
       end if
@@ -137,7 +137,7 @@ contains
             return
          end if
       end if
-      call refuse(error, here%file, entry%line, "&" // group // ": " // quoted(entry%key) // &
+      call reject(error, here%file, entry%line, "&" // group // ": " // quoted(entry%key) // &
                   " is not followed by = (is a string without its quotes?)")
    end subroutine scan_entry
 
@@ -155,7 +155,7 @@ contains
       if (last == 0) last = 1
       call parse_integer(trim(adjustl(here%text(here%at + 1:here%at + last - 2))), number, outcome)
       if (outcome /= number_ok .or. number < 1 .or. number > largest_subscript) then
-         call complain(here, group, entry, ": the subscript is not one positive " // &
+         call reject_key(here, group, entry, ": the subscript is not one positive " // &
                        "number in ( )", error)
          return
       end if

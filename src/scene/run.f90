@@ -10,7 +10,7 @@ module poinsot_scene_run
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
    use poinsot_scene_states, only: body_states, first_states
    use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy, couples_bodies
-   use poinsot_scene_crew, only: run_crew
+   use poinsot_scene_communicator, only: communicator
    use poinsot_scene_drift, only: start_drift, follow_drift
    use poinsot_scene_files, only: make_folder, remove_file, file_exists
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
@@ -45,28 +45,28 @@ contains
    !> Errors: POINSOT_E_IO, POINSOT_E_MEMORY, POINSOT_E_SCENE (restart file), POINSOT_E_PARTIAL and
    !> others of the engine (numerical failure). After every error but a failing disk the summary
    !> says that the run is not complete.
-   !> With a crew, bodies are dealt out to its ranks; every rank calls, rank 0 writes.
-   subroutine run_scene(scene, out, watch, report, error, crew)
+   !> With several ranks, each steps a slice of the bodies; every rank calls, rank 0 writes.
+   subroutine run_scene(scene, out, watch, report, error, ranks)
       type(scene_settings), intent(in) :: scene    !! the typed scene
       character(*), intent(in) :: out              !! folder for the output
       class(run_watch), intent(inout) :: watch     !! asked whether to go on, told how far it is
       type(run_report), intent(out) :: report      !! what the summary says
       type(poinsot_error), intent(inout) :: error
-      class(run_crew), intent(inout), optional :: crew
-      type(run_crew) :: alone
-      if (present(crew)) then
-         call conduct(scene, out, watch, crew, report, error)
+      class(communicator), intent(inout), optional :: ranks
+      type(communicator) :: alone
+      if (present(ranks)) then
+         call run_rank(scene, out, watch, ranks, report, error)
       else
-         call conduct(scene, out, watch, alone, report, error)
+         call run_rank(scene, out, watch, alone, report, error)
       end if
    end subroutine run_scene
 
    !> The run of this rank.
-   subroutine conduct(scene, out, watch, crew, report, error)
+   subroutine run_rank(scene, out, watch, ranks, report, error)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out
       class(run_watch), intent(inout) :: watch
-      class(run_crew), intent(inout) :: crew
+      class(communicator), intent(inout) :: ranks
       type(run_report), intent(out) :: report
       type(poinsot_error), intent(inout) :: error
       type(run_state) :: run
@@ -76,12 +76,12 @@ contains
       report%state = "failed"
       report%reason = ""
       report%reference = ""
-      call prepare(scene, out, crew, run, report, error)
-      call agree(crew, error)
+      call prepare(scene, out, ranks, run, report, error)
+      call agree(ranks, error)
       if (raised(error)) return
-      call march(scene, run, watch, crew, report, error)
-      if (.not. raised(error)) call gather(crew, run)
-      if (crew%number > 0) return
+      call integrate(scene, run, watch, ranks, report, error)
+      if (.not. raised(error)) call gather(ranks, run)
+      if (ranks%number > 0) return
       ! a file that could not be written keeps its .part
       if (error%code == poinsot_e_io) closing = error
       call finish_frames(run%frames, closing)
@@ -106,22 +106,22 @@ contains
       end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
-   end subroutine conduct
+   end subroutine run_rank
 
    !> An error of any rank is an error of all.
-   subroutine agree(crew, error)
-      class(run_crew), intent(inout) :: crew
+   subroutine agree(ranks, error)
+      class(communicator), intent(inout) :: ranks
       type(poinsot_error), intent(inout) :: error
       integer :: code
-      code = crew%worst(error%code)
+      code = ranks%max_over_ranks(error%code)
       if (code /= 0 .and. .not. raised(error)) call raise(error, code, "another rank failed")
    end subroutine agree
 
    !> All bodies on all ranks.
-   subroutine gather(crew, run)
-      class(run_crew), intent(inout) :: crew
+   subroutine gather(ranks, run)
+      class(communicator), intent(inout) :: ranks
       type(run_state), intent(inout) :: run
-      if (crew%size > 1 .and. .not. couples_bodies(run%engine)) call crew%share(run%states)
+      if (ranks%size > 1 .and. .not. couples_bodies(run%engine)) call ranks%allgather(run%states)
    end subroutine gather
 
    !> Can the scene be run? Makes the plan, runs nothing. Error: whatever the plan refuses.
@@ -133,10 +133,10 @@ contains
    end subroutine check_scene
 
    !> Folder, states, engine, first frame.
-   subroutine prepare(scene, out, crew, run, report, error)
+   subroutine prepare(scene, out, ranks, run, report, error)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out
-      class(run_crew), intent(in) :: crew
+      class(communicator), intent(in) :: ranks
       type(run_state), intent(inout) :: run
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
@@ -165,7 +165,7 @@ contains
                     text_of(run%states%n) // " bodies")
          return
       end if
-      if (crew%number > 0) return
+      if (ranks%number > 0) return
       call make_folder(out, error)
       if (raised(error)) return
       call clean_folder(scene, out)
@@ -245,11 +245,11 @@ contains
    end subroutine continue_from
 
    !> Piece by piece to the end, or to where the watch says stop.
-   subroutine march(scene, run, watch, crew, report, error)
+   subroutine integrate(scene, run, watch, ranks, report, error)
       type(scene_settings), intent(in) :: scene
       type(run_state), intent(inout) :: run
       class(run_watch), intent(inout) :: watch
-      class(run_crew), intent(inout) :: crew
+      class(communicator), intent(inout) :: ranks
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       type(piece) :: part
@@ -258,17 +258,17 @@ contains
          part = get_piece(scene, k)
          call enter_piece(run%t, part, done)
          if (done >= part%steps) cycle
-         call march_piece(scene, part, done, run, watch, crew, report, error)
+         call integrate_piece(scene, part, done, run, watch, ranks, report, error)
          if (raised(error) .or. run%stopped) return
          if (part%writes) then
-            call gather(crew, run)
-            if (crew%number == 0) call frame(scene, run, report, error)
-            call agree(crew, error)
+            call gather(ranks, run)
+            if (ranks%number == 0) call frame(scene, run, report, error)
+            call agree(ranks, error)
          end if
          if (raised(error)) return
-         call watch%tell(run%t, scene%t_end)
+         call watch%report_progress(run%t, scene%t_end)
       end do
-   end subroutine march
+   end subroutine integrate
 
    !> Where in a piece time t lies: steps done already. A time between two steps (another schedule
    !> wrote the restart) makes a piece of its own from t on.
@@ -299,13 +299,13 @@ contains
    !> The steps of one piece, in chunks between looks at the watch. Bits do not depend on where
    !> chunks end, but for a splitting with a processor, which works at both ends of each: there
    !> their length is fixed, and no matter of the clock.
-   subroutine march_piece(scene, part, done, run, watch, crew, report, error)
+   subroutine integrate_piece(scene, part, done, run, watch, ranks, report, error)
       type(scene_settings), intent(in) :: scene
       type(piece), intent(in) :: part
       integer(i8), intent(inout) :: done
       type(run_state), intent(inout) :: run
       class(run_watch), intent(inout) :: watch
-      class(run_crew), intent(inout) :: crew
+      class(communicator), intent(inout) :: ranks
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       integer(i8) :: steps, most
@@ -318,12 +318,12 @@ contains
       do while (done < part%steps)
          ! what depends on a clock or a signal is rank 0's to say
          if (watch%stop_now()) most = -most
-         most = crew%first(most)
+         most = ranks%broadcast(most)
          run%stopped = most < 0
          if (run%stopped) return
          steps = min(most, part%steps - done)
          begun = wall_clock()
-         call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error, crew)
+         call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error, ranks)
          begun = wall_clock() - begun
          report%stepping = report%stepping + begun
          if (.not. processed) then
@@ -335,9 +335,9 @@ contains
          run%step = run%step + steps
          report%steps = report%steps + steps
          run%t = time_in(part, done)
-         if (done < part%steps) call watch%tell(run%t, scene%t_end)
+         if (done < part%steps) call watch%report_progress(run%t, scene%t_end)
       end do
-   end subroutine march_piece
+   end subroutine integrate_piece
 
    !> Energies, changes, and the frame itself.
    subroutine frame(scene, run, report, error)

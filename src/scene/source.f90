@@ -9,7 +9,7 @@ module poinsot_scene_source
    public :: scene_value, scene_entry, scene_group, scene_source
    public :: value_null, value_number, value_logical, value_text
    public :: from_option
-   public :: append, place, refuse, find_group
+   public :: append, place, reject, find_group
 
    integer, parameter :: from_option = -1 !! line of what stands on the command line, not in the
                                           !! file
@@ -127,12 +127,12 @@ contains
    end function place
 
    !> Raise POINSOT_E_SCENE with the place in front.
-   pure subroutine refuse(error, file, line, message)
+   pure subroutine reject(error, file, line, message)
       type(poinsot_error), intent(inout) :: error
       character(*), intent(in) :: file      !! its name
       integer, intent(in) :: line           !! 0: the file as a whole
       character(*), intent(in) :: message   !! what is wrong and what would be right
       call raise(error, poinsot_e_scene, place(file, line) // message)
-   end subroutine refuse
+   end subroutine reject
 
 end module poinsot_scene_source

@@ -5,7 +5,7 @@ module poinsot_scene_table
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_scene_text, only: reason_of, text_of, quoted
    use poinsot_scene_number, only: parse_real, number_ok
-   use poinsot_scene_source, only: refuse
+   use poinsot_scene_source, only: reject
    implicit none(type, external)
    private
    public :: read_table
@@ -42,7 +42,7 @@ contains
          if (code /= 0) exit
          line = line + 1
          call read_row(file, line, text, row, empty, error)
-         if (n == most_rows) call refuse(error, file, line, "more than " // text_of(n) // " rows")
+         if (n == most_rows) call reject(error, file, line, "more than " // text_of(n) // " rows")
          if (raised(error)) exit
          if (empty) cycle
          if (n == size(room, 2)) then
@@ -56,7 +56,7 @@ contains
       close (unit)
       times = room(1, :n)
       values = reshape(room(2:, :n), [columns*n])
-      if (n == 0 .and. .not. raised(error)) call refuse(error, file, 0, "holds no rows of numbers")
+      if (n == 0 .and. .not. raised(error)) call reject(error, file, 0, "holds no rows of numbers")
    end subroutine read_table
 
    subroutine read_row(file, line, text, row, empty, error)
@@ -79,13 +79,13 @@ contains
          if (length < 0) length = len(rest)
          call parse_real(rest(:length), row(k), outcome)
          if (outcome /= number_ok) then
-            call refuse(error, file, line, quoted(rest(:length)) // " is not a finite number")
+            call reject(error, file, line, quoted(rest(:length)) // " is not a finite number")
             return
          end if
          rest = rest(length + 1:)
       end do
       if (k <= size(row) .or. verify(rest, blanks) > 0) then
-         call refuse(error, file, line, "a row has " // text_of(size(row)) // &
+         call reject(error, file, line, "a row has " // text_of(size(row)) // &
                      " numbers: a time and " // text_of(size(row) - 1) // " values")
       end if
    end subroutine read_row

@@ -6,11 +6,12 @@ module poinsot_scene_typed_group
    use poinsot_core_nearest, only: nearest_name
    use poinsot_effect_settings, only: effect_info, effect_key, setting
    use poinsot_scene_text, only: text_of, quoted
-   use poinsot_scene_source, only: scene_value, scene_entry, scene_group, refuse, &
+   use poinsot_scene_source, only: scene_value, scene_entry, scene_group, reject, &
       value_null, value_number, value_text
    implicit none(type, external)
    private
-   public :: typed_group, meet, given, number_of, numbers_of, word_of, integer_of, plain, complain
+   public :: typed_group, type_group, given, number_of, numbers_of, word_of, integer_of, plain, &
+      reject_key
    public :: largest_list
 
    integer, parameter :: largest_list = 1000000 !! most numbers one key may hold
@@ -29,7 +30,7 @@ contains
 
    !> Give the entries of a group the types of its table. Error: POINSOT_E_SCENE for an unknown key
    !> (naming the nearest one), a key given twice, a value of the wrong type, too few or too many.
-   subroutine meet(file, group, info, typed, error)
+   subroutine type_group(file, group, info, typed, error)
       character(*), intent(in) :: file           !! for messages
       type(scene_group), intent(in) :: group     !! as scanned
       type(effect_info), intent(in) :: info      !! the keys it may have
@@ -45,7 +46,7 @@ contains
       do i = 1, group%count
          k = find_key(info, group%entries(i)%key)
          if (k == 0) then
-            call refuse(error, file, group%entries(i)%line, "&" // group%name // &
+            call reject(error, file, group%entries(i)%line, "&" // group%name // &
                         ": unknown key " // quoted(group%entries(i)%key) // "; the nearest " // &
                         "known key is """ // nearest_key(info, group%entries(i)%key) // """")
             return
@@ -55,7 +56,7 @@ contains
             if (typed%settings(j)%key == group%entries(i)%key) here = j
          end do
          if (here > 0 .and. .not. group%entries(i)%subscripted) then
-            call complain(typed, group%entries(i)%key, "is given twice, again in line " // &
+            call reject_key(typed, group%entries(i)%key, "is given twice, again in line " // &
                           text_of(group%entries(i)%line), error)
             return
          end if
@@ -70,7 +71,7 @@ contains
       end do
       typed%settings = typed%settings(:found)
       call check_complete(typed, error)
-   end subroutine meet
+   end subroutine type_group
 
    !> One entry into its setting.
    subroutine convert(typed, key, entry, item, error)
@@ -96,16 +97,16 @@ contains
       one = entry%count == 1 .and. entry%first == 1
       if (one) one = entry%values(1)%repeats == 1
       if (.not. one) then
-         call complain(typed, item%key, "takes one text in quotes", error)
+         call reject_key(typed, item%key, "takes one text in quotes", error)
       else if (entry%values(1)%kind == value_null) then
          item%text = trim(key%default)
       else if (entry%values(1)%kind /= value_text) then
-         call complain(typed, item%key, "= " // quoted(entry%values(1)%text) // &
+         call reject_key(typed, item%key, "= " // quoted(entry%values(1)%text) // &
                        " is not a text; put it in quotes", error)
       else
          item%text = trim(entry%values(1)%text)
          if (key%units == "" .or. is_choice(item%text, trim(key%units))) return
-         call complain(typed, item%key, "= " // quoted(item%text) // " is not one of: " // &
+         call reject_key(typed, item%key, "= " // quoted(item%text) // " is not one of: " // &
                        trim(key%units), error)
       end if
    end subroutine convert_text
@@ -129,7 +130,7 @@ contains
       if (most < 0) most = largest_list
       last = last_subscript(entry, most)
       if (last > most) then
-         call complain(typed, item%key, "takes " // count_text(key) // ", more are given", error)
+         call reject_key(typed, item%key, "takes " // count_text(key) // ", more are given", error)
          return
       end if
       call default_numbers(key, defaults)
@@ -143,7 +144,7 @@ contains
       at = entry%first - 1
       do i = 1, entry%count
          if (entry%values(i)%kind /= value_null .and. entry%values(i)%kind /= value_number) then
-            call complain(typed, item%key, "takes numbers; " // quoted(entry%values(i)%text) // &
+            call reject_key(typed, item%key, "takes numbers; " // quoted(entry%values(i)%text) // &
                           " is none", error)
             return
          end if
@@ -191,11 +192,12 @@ contains
          key = typed%info%keys(find_key(typed%info, typed%settings(i)%key))
          if (key%is_text) cycle
          if (size(typed%settings(i)%values) < key%least) then
-            call complain(typed, typed%settings(i)%key, "takes " // count_text(key) // &
+            call reject_key(typed, typed%settings(i)%key, "takes " // count_text(key) // &
                           ", too few are given", error)
             return
          else if (any(typed%settings(i)%values == huge(1.0_dp))) then
-            call complain(typed, typed%settings(i)%key, "has a place without a value, and no " // &
+            call reject_key(typed, typed%settings(i)%key, &
+               "has a place without a value, and no " // &
                           "default for it", error)
             return
          end if
@@ -203,7 +205,7 @@ contains
       do i = 1, size(typed%info%keys)
          if (typed%info%keys(i)%default /= "required") cycle
          if (given(typed, trim(typed%info%keys(i)%name))) cycle
-         call refuse(error, typed%file, typed%line, "&" // typed%name // ": the key """ // &
+         call reject(error, typed%file, typed%line, "&" // typed%name // ": the key """ // &
                      trim(typed%info%keys(i)%name) // """ is required: " // &
                      trim(typed%info%keys(i)%meaning))
          return
@@ -315,7 +317,7 @@ contains
          value = nint(number, i8)
          if (real(value, dp) == number) return
       end if
-      call complain(typed, key, "= " // plain(number) // " is not an integer from " // &
+      call reject_key(typed, key, "= " // plain(number) // " is not an integer from " // &
                     text_of(least) // " to " // text_of(most), error)
    end subroutine integer_of
 
@@ -329,7 +331,7 @@ contains
    end function plain
 
    !> Raise POINSOT_E_SCENE naming file, line, group and key.
-   subroutine complain(typed, key, message, error)
+   subroutine reject_key(typed, key, message, error)
       type(typed_group), intent(in) :: typed !! keys with their values
       character(*), intent(in) :: key        !! its name
       character(*), intent(in) :: message    !! what is wrong and what would be right
@@ -338,7 +340,7 @@ contains
       k = find_setting(typed, key)
       line = typed%line
       if (k > 0) line = typed%lines(k)
-      call refuse(error, typed%file, line, "&" // typed%name // ": " // key // " " // message)
-   end subroutine complain
+      call reject(error, typed%file, line, "&" // typed%name // ": " // key // " " // message)
+   end subroutine reject_key
 
 end module poinsot_scene_typed_group

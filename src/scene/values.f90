@@ -4,9 +4,9 @@ module poinsot_scene_values
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: lower, quoted
    use poinsot_scene_number, only: parse_real, parse_integer, number_range, number_ok
-   use poinsot_scene_source, only: scene_value, scene_entry, append, refuse, value_number, &
+   use poinsot_scene_source, only: scene_value, scene_entry, append, reject, value_number, &
       value_logical, value_text
-   use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, complain, newline, tab, &
+   use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, reject_key, newline, tab, &
       letters, name_set
    implicit none(type, external)
    private
@@ -43,7 +43,7 @@ contains
          wanted = .false.
       end do
       if (entry%count > 0) return
-      call complain(here, group, entry, " has no value; give one or leave the key out", error)
+      call reject_key(here, group, entry, " has no value; give one or leave the key out", error)
    end subroutine scan_list
 
    !> Values as the command line gives them (`--set group.key=values`): apart by commas, strings
@@ -64,7 +64,7 @@ contains
       if (scan(here%text, "'""*") > 0) then
          call scan_list(here, group, entry, error)
          if (raised(error) .or. here%at > len(here%text)) return
-         call refuse(error, file, 0, quoted(word_at(here)) // " is not part of a value")
+         call reject(error, file, 0, quoted(word_at(here)) // " is not part of a value")
          return
       end if
       first = 1
@@ -130,7 +130,7 @@ contains
          if (length < 0) length = len(here%text) - here%at + 1
       end if
       if (length == 0 .and. value%repeats == 0) then
-         call complain(here, group, entry, &
+         call reject_key(here, group, entry, &
                        ": " // quoted(word_at(here)) // " is not a value", error)
          return
       end if
@@ -158,7 +158,7 @@ contains
       if (here%text(here%at + length:here%at + length) /= "*") return
       call parse_integer(here%text(here%at:here%at + length - 1), number, outcome)
       if (outcome /= number_ok .or. number < 1 .or. number > most_repeats) then
-         call complain(here, group, entry, ": the repeat count " // quoted(word_at(here)) // &
+         call reject_key(here, group, entry, ": the repeat count " // quoted(word_at(here)) // &
                        " is not from 1 to 100000000", error)
          return
       end if
@@ -186,7 +186,7 @@ contains
             if (here%text(here%at + length:here%at + length) == newline) length = -1
          end if
          if (length < 0) then
-            call complain(here, group, entry, ": the closing quote of the string is missing " // &
+            call reject_key(here, group, entry, ": the closing quote of the string is missing " // &
                           "on its line", error)
             return
          end if
@@ -212,7 +212,7 @@ contains
       if (outcome == number_ok) then
          value%kind = value_number
       else if (outcome == number_range) then
-         call complain(here, group, entry, " = " // quoted(word) // &
+         call reject_key(here, group, entry, " = " // quoted(word) // &
                        " is not finite or beyond 1e307; give a finite number", error)
       else
          value%kind = value_logical
@@ -224,7 +224,7 @@ contains
          case default
             value%kind = value_text
             if (here%loose) return
-            call complain(here, group, entry, ": " // quoted(word) // &
+            call reject_key(here, group, entry, ": " // quoted(word) // &
                           " is neither a number nor a string in quotes", error)
          end select
       end if

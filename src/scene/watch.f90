@@ -10,7 +10,7 @@ module poinsot_scene_watch
    type :: run_watch
    contains
       procedure :: stop_now
-      procedure :: tell
+      procedure :: report_progress
    end type run_watch
 
 contains
@@ -24,12 +24,12 @@ contains
    end function stop_now
 
    !> How far the run is.
-   subroutine tell(self, t, t_end)
+   subroutine report_progress(self, t, t_end)
       class(run_watch), intent(inout) :: self
       real(dp), intent(in) :: t     !! time reached
       real(dp), intent(in) :: t_end !! time wanted
       associate (unused_1 => self, unused_2 => t, unused_3 => t_end)
       end associate
-   end subroutine tell
+   end subroutine report_progress
 
 end module poinsot_scene_watch

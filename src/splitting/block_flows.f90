@@ -9,7 +9,7 @@ module poinsot_splitting_block_flows
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, add_kick, add_kick_compensated
-   use poinsot_free_limits, only: refuse_speed, refuse_torque
+   use poinsot_free_limits, only: reject_speed, reject_torque
    use poinsot_free_method, only: free_method, advance
    use poinsot_effect_effect, only: effect_item, torque_effect, flow_effect
    use poinsot_effect_gyrostat, only: gyrostat
@@ -43,21 +43,21 @@ module poinsot_splitting_block_flows
       type(body_class), pointer :: class => null()
       type(free_method), pointer :: method => null()
       type(torque_pointer), allocatable :: torques(:)
-      type(flow_pointer), allocatable :: outers(:)
-      type(gyrostat), allocatable :: wheel               !! all rotors of the class as one
+      type(flow_pointer), allocatable :: dissipative(:)
+      type(gyrostat), allocatable :: rotor_sum               !! all rotors of the class as one
       real(dp), allocatable :: weights(:)                !! composition of free rotation and turn
    contains
       procedure :: compose
       procedure :: scheme_for
       procedure :: drift
       procedure :: kick
-      procedure :: outer
+      procedure :: dissipative_half_step
       procedure :: energies
       procedure :: start_torque
-      procedure :: freeze_torque
+      procedure :: finish_torque
       procedure :: start_gradient
       procedure :: finish_gradient
-      procedure :: push
+      procedure :: apply_kick
    end type block_flows
 
 contains
@@ -72,14 +72,14 @@ contains
       type(splitting), intent(in) :: scheme
       type(effect_item), intent(in), target :: effects(:)
       type(poinsot_error), intent(inout) :: error
-      integer :: i, torques, outers, failed
+      integer :: i, torques, dissipative, failed
       self%class => class
       self%method => method
-      if (allocated(self%wheel)) deallocate (self%wheel)
+      if (allocated(self%rotor_sum)) deallocate (self%rotor_sum)
       if (allocated(self%torques)) deallocate (self%torques)
-      if (allocated(self%outers)) deallocate (self%outers)
+      if (allocated(self%dissipative)) deallocate (self%dissipative)
       torques = 0
-      outers = 0
+      dissipative = 0
       do i = 1, size(effects)
          if (.not. effects(i)%it%acts_on(number)) cycle
          select type (one => effects(i)%it)
@@ -92,47 +92,47 @@ contains
                return
             end if
          class is (flow_effect)
-            outers = outers + 1
+            dissipative = dissipative + 1
          class is (gyrostat)
             if (class%sorted(1) <= 0 .and. any(abs(one%rotor) > 0)) then
                call raise(error, poinsot_e_domain, "effect 'gyrostat': a linear body, which " // &
                   "has a moment of zero, holds no rotor; name another class by key 'class'")
                return
             end if
-            call add_wheel(self, one, scheme%order)
+            call add_rotor(self, one, scheme%order)
          end select
       end do
       failed = 0
       if (torques > 0) allocate (self%torques(torques), stat=failed)
-      if (outers > 0 .and. failed == 0) allocate (self%outers(outers), stat=failed)
+      if (dissipative > 0 .and. failed == 0) allocate (self%dissipative(dissipative), stat=failed)
       if (failed /= 0) then
          call raise(error, poinsot_e_memory)
          return
       end if
-      self%has_outer = outers > 0
+      self%has_dissipation = dissipative > 0
       call point(self, number, effects)
    end subroutine compose
 
    !> Momenta of rotors add.
-   subroutine add_wheel(self, one, order)
+   subroutine add_rotor(self, one, order)
       class(block_flows), intent(inout) :: self
       type(gyrostat), intent(in) :: one
       integer, intent(in) :: order
-      if (allocated(self%wheel)) then
-         self%wheel%rotor = self%wheel%rotor + one%rotor
+      if (allocated(self%rotor_sum)) then
+         self%rotor_sum%rotor = self%rotor_sum%rotor + one%rotor
       else
-         self%wheel = one
+         self%rotor_sum = one
          call turn_composition(order, self%weights)
       end if
-   end subroutine add_wheel
+   end subroutine add_rotor
 
    subroutine point(self, number, effects)
       class(block_flows), intent(inout) :: self
       integer, intent(in) :: number
       type(effect_item), intent(in), target :: effects(:)
-      integer :: i, torques, outers
+      integer :: i, torques, dissipative
       torques = 0
-      outers = 0
+      dissipative = 0
       do i = 1, size(effects)
          if (.not. effects(i)%it%acts_on(number)) cycle
          select type (one => effects(i)%it)
@@ -140,8 +140,8 @@ contains
             torques = torques + 1
             self%torques(torques)%it => one
          class is (flow_effect)
-            outers = outers + 1
-            self%outers(outers)%it => one
+            dissipative = dissipative + 1
+            self%dissipative(dissipative)%it => one
          end select
       end do
    end subroutine point
@@ -164,7 +164,7 @@ contains
       real(dp), intent(in) :: h
       integer :: i, n
       self%fresh = .false.
-      if (.not. allocated(self%wheel)) then
+      if (.not. allocated(self%rotor_sum)) then
          call rotate(self, h)
          return
       end if
@@ -192,10 +192,10 @@ contains
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       real(dp) :: dy(lanes, 3), dq(lanes, 4), hl(lanes)
-      call self%wheel%turn_increment(self%class, h, self%y, self%q, dy, dq)
+      call self%rotor_sum%turn_increment(self%class, h, self%y, self%q, dy, dq)
       hl = merge(h, 0.0_dp, self%status == poinsot_ok)
-      call still(self%status, dy)
-      call still(self%status, dq)
+      call mask_failed_lanes(self%status, dy)
+      call mask_failed_lanes(self%status, dq)
       if (self%compensated) then
          call add_compensated(hl, dy, dq, self%y, self%q, self%carry)
       else
@@ -204,7 +204,7 @@ contains
    end subroutine turn
 
    !> Zero in every lane that stands still.
-   pure subroutine still(status, d)
+   pure subroutine mask_failed_lanes(status, d)
       integer, intent(in) :: status(lanes)
       real(dp), intent(inout) :: d(:, :)
       integer :: j
@@ -212,7 +212,7 @@ contains
       do j = 1, size(d, 2)
          where (status /= poinsot_ok) d(:, j) = 0
       end do
-   end subroutine still
+   end subroutine mask_failed_lanes
 
    !> y += b g + c G, G = 2 (Dg[M g] + (M g) x g).
    subroutine kick(self, t, b, c)
@@ -220,14 +220,14 @@ contains
       real(dp), intent(in) :: t, b, c
       if (.not. self%fresh) then
          call self%start_torque(t)
-         call self%freeze_torque()
+         call self%finish_torque()
          self%fresh = .true.
       end if
       if (abs(c) > 0) then
          call self%start_gradient(t)
          call self%finish_gradient()
       end if
-      call self%push(b, c)
+      call self%apply_kick(b, c)
    end subroutine kick
 
    !> g = the torques of the block's own effects at time t.
@@ -243,17 +243,17 @@ contains
    end subroutine start_torque
 
    !> What others may have added to g is done: mask axes without inertia.
-   subroutine freeze_torque(self)
+   subroutine finish_torque(self)
       class(block_flows), intent(inout) :: self
-      call freeze(self%class, self%g)
-   end subroutine freeze_torque
+      call mask_massless_axes(self%class, self%g)
+   end subroutine finish_torque
 
    !> gradient = Dg[M g] of the block's own effects; delta = M g.
    subroutine start_gradient(self, t)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: t
       integer :: i
-      call refuse_torque(self%class, self%g, self%status)
+      call reject_torque(self%class, self%g, self%status)
       do i = 1, 3
          self%delta(:, i) = self%class%inverse(i)*self%g(:, i)
       end do
@@ -276,48 +276,49 @@ contains
             dg(l, 3) = 2*(dg(l, 3) + (delta(l, 1)*g(l, 2) - delta(l, 2)*g(l, 1)))
          end do
       end associate
-      call freeze(self%class, self%gradient)
+      call mask_massless_axes(self%class, self%gradient)
    end subroutine finish_gradient
 
    !> y += b g + c G with what stands in g and gradient.
-   subroutine push(self, b, c)
+   subroutine apply_kick(self, b, c)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: b, c
       real(dp) :: dy(lanes, 3)
       dy = b*self%g
       if (abs(c) > 0) dy = dy + c*self%gradient
-      call still(self%status, dy)
+      call mask_failed_lanes(self%status, dy)
       if (self%compensated) then
          call add_kick_compensated(dy, self%y, self%carry)
       else
          call add_kick(dy, self%y)
       end if
-      call refuse_speed(self%class, self%y, self%status)
-   end subroutine push
+      call reject_speed(self%class, self%y, self%status)
+   end subroutine apply_kick
 
    !> An axis without inertia takes no torque.
-   pure subroutine freeze(class, g)
+   pure subroutine mask_massless_axes(class, g)
       type(body_class), intent(in) :: class
       real(dp), intent(inout) :: g(lanes, 3)
       integer :: j
       do j = 1, 3
          if (.not. class%moments(j) > 0) g(:, j) = 0
       end do
-   end subroutine freeze
+   end subroutine mask_massless_axes
 
    !> Flows outside the scheme, in reverse order after the step.
-   subroutine outer(self, h, step, half)
+   subroutine dissipative_half_step(self, h, step, half)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       integer(i8), intent(in) :: step
       integer, intent(in) :: half
       integer :: i, k
-      do i = 1, size(self%outers)
-         k = merge(i, size(self%outers) + 1 - i, half == 0)
-         call self%outers(k)%it%apply(self%class, h, self%seed, self%id, step, half, self%q, self%y)
+      do i = 1, size(self%dissipative)
+         k = merge(i, size(self%dissipative) + 1 - i, half == 0)
+         call self%dissipative(k)%it%apply(self%class, h, self%seed, self%id, step, half, self%q, &
+            self%y)
       end do
-      call refuse_speed(self%class, self%y, self%status)
-   end subroutine outer
+      call reject_speed(self%class, self%y, self%status)
+   end subroutine dissipative_half_step
 
    !> Kinetic and potential energy of every lane at time t.
    subroutine energies(self, t, kinetic, potential)
@@ -327,8 +328,8 @@ contains
       integer :: i, j
       kinetic = 0
       potential = 0
-      if (allocated(self%wheel)) then
-         call self%wheel%add_kinetic(self%class, self%y, kinetic)
+      if (allocated(self%rotor_sum)) then
+         call self%rotor_sum%add_kinetic(self%class, self%y, kinetic)
       else
          do j = 1, 3
             kinetic = kinetic + 0.5_dp*(self%y(:, j)*self%class%inverse(j))*self%y(:, j)

@@ -4,7 +4,7 @@ module poinsot_splitting_stepper
    use poinsot_splitting_tableaux, only: splitting, operation
    implicit none(type, external)
    private
-   public :: flows, run_steps, enter_kernel, leave_kernel
+   public :: flows, run_steps, apply_preprocessor, apply_postprocessor
 
    !> What a splitting composes. The torque g is a function of attitude and time only: `kick`
    !> evaluates it when `fresh` is false, sets `fresh`, and leaves it; `drift` clears `fresh`. So
@@ -12,12 +12,13 @@ module poinsot_splitting_stepper
    !> while the two kicks stay two sums.
    type, abstract :: flows
       logical :: fresh = .false.        !! is the stored torque that of the present attitudes?
-      logical :: has_outer = .false.    !! is there a flow outside the scheme (drag, thermostat)?
+      logical :: has_dissipation = .false.
+      !! is there a flow outside the scheme (drag, thermostat)?
       logical :: halted = .false.       !! set by a kick that cannot go on: no further flow is run
    contains
       procedure(drift), deferred :: drift
       procedure(kick), deferred :: kick
-      procedure :: outer => no_outer
+      procedure :: dissipative_half_step => no_dissipation
    end type flows
 
    abstract interface
@@ -54,34 +55,34 @@ contains
       integer(i8), intent(in) :: steps      !! how many
       integer(i8) :: k
       do k = first, first + steps - 1
-         if (system%has_outer) call system%outer(0.5_dp*h, k, 0)
+         if (system%has_dissipation) call system%dissipative_half_step(0.5_dp*h, k, 0)
          call run_operations(scheme%operations, system, t, h, k)
          if (system%halted) return
-         if (system%has_outer) call system%outer(0.5_dp*h, k, 1)
+         if (system%has_dissipation) call system%dissipative_half_step(0.5_dp*h, k, 1)
       end do
    end subroutine run_steps
 
    !> From the state to the variables of a processed kernel, before step `first`. Nothing for other
    !> schemes.
-   subroutine enter_kernel(scheme, system, t, h, first)
+   subroutine apply_preprocessor(scheme, system, t, h, first)
       type(splitting), intent(in) :: scheme !! its table
       class(flows), intent(inout) :: system !! what is moved
       real(dp), intent(in) :: t, h
       integer(i8), intent(in) :: first
       system%fresh = .false.
       call run_operations(scheme%enter, system, t, h, first)
-   end subroutine enter_kernel
+   end subroutine apply_preprocessor
 
    !> From the variables of a processed kernel to the state, before step `first`: for output, on a
    !> copy.
-   subroutine leave_kernel(scheme, system, t, h, first)
+   subroutine apply_postprocessor(scheme, system, t, h, first)
       type(splitting), intent(in) :: scheme !! its table
       class(flows), intent(inout) :: system !! what is moved
       real(dp), intent(in) :: t, h
       integer(i8), intent(in) :: first
       system%fresh = .false.
       call run_operations(scheme%leave, system, t, h, first)
-   end subroutine leave_kernel
+   end subroutine apply_postprocessor
 
    !> One pass through a table. A node of exactly 1 in step k and of 0 in step k + 1 give the same
    !> time.
@@ -103,13 +104,13 @@ contains
    end subroutine run_operations
 
    !> No flow outside the scheme.
-   subroutine no_outer(self, h, step, half)
+   subroutine no_dissipation(self, h, step, half)
       class(flows), intent(inout) :: self
       real(dp), intent(in) :: h           !! half the step
       integer(i8), intent(in) :: step
       integer, intent(in) :: half         !! 0 before the step, 1 after it
       associate (unused_1 => self%fresh, unused_2 => h, unused_3 => step, unused_4 => half)
       end associate
-   end subroutine no_outer
+   end subroutine no_dissipation
 
 end module poinsot_splitting_stepper

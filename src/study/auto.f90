@@ -10,7 +10,7 @@ module poinsot_study_auto
    use poinsot_study_choose_text, only: choice_sentence
    implicit none(type, external)
    private
-   public :: settle
+   public :: resolve_auto
 
    real(dp), parameter, public :: auto_seconds = 5 !! what the choice may take
 
@@ -20,7 +20,7 @@ contains
    !> the cheapest that meets &scene tol. A method or splitting that is named stays; a step that is
    !> given is the longest allowed. Nothing is done to a scene without `auto`. Errors: those of
    !> choose_method and of read_choice.
-   subroutine settle(scene, watch, error)
+   subroutine resolve_auto(scene, watch, error)
       type(scene_settings), intent(inout) :: scene
       class(run_watch), intent(inout) :: watch
       type(poinsot_error), intent(inout) :: error
@@ -40,12 +40,12 @@ contains
       if (scene%method /= "auto") request%methods = [character(24) :: scene%method]
       call choose_method(scene, request, watch, answer, error)
       if (raised(error)) return
-      scene%method = trim(answer%best%way%method)
-      if (answer%best%way%splitting /= no_splitting) scene%splitting = &
-         trim(answer%best%way%splitting)
+      scene%method = trim(answer%best%setup%method)
+      if (answer%best%setup%splitting /= no_splitting) scene%splitting = &
+         trim(answer%best%setup%splitting)
       if (scene%splitting == "auto") scene%splitting = "srkn6"
       scene%h = answer%best%h
       scene%chosen = choice_sentence(request%tol, answer)
-   end subroutine settle
+   end subroutine resolve_auto
 
 end module poinsot_study_auto

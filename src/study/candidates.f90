@@ -17,7 +17,8 @@ module poinsot_study_candidates
    use poinsot_study_trial, only: make_plan
    implicit none(type, external)
    private
-   public :: candidate, scene_kind, look_at, quiet_scene, list_candidates, label_of, no_splitting, &
+   public :: candidate, scene_kind, survey_scene, quiet_scene, list_candidates, label_of, &
+      no_splitting, &
       plan_splitting
 
    character(*), parameter :: no_splitting = "-" !! of scenes without kicks
@@ -43,7 +44,7 @@ module poinsot_study_candidates
 contains
 
    !> Which kind of scene is this? Error: what its plan refuses.
-   subroutine look_at(scene, kind, error)
+   subroutine survey_scene(scene, kind, error)
       type(scene_settings), intent(in) :: scene
       type(scene_kind), intent(out) :: kind
       type(poinsot_error), intent(inout) :: error
@@ -70,7 +71,7 @@ contains
             kind%limit = min(kind%limit, known(j)%order)
          end do
       end do
-   end subroutine look_at
+   end subroutine survey_scene
 
    !> The scene without noise: a thermostat at temperature zero, that is its friction alone. Two
    !> runs with noise and different steps are two samples, and have no distance that a step would

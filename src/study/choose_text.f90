@@ -27,17 +27,17 @@ contains
       call add("scene       " // scene%name // " to t = " // text_of(scene%t_end))
       call add("tolerance   " // brief_number(tol) // &
          " at the end: attitude in radians, momentum over |y|")
-      call add("method      " // trim(answer%best%way%method))
-      if (answer%best%way%splitting /= no_splitting) call add("splitting   " // &
-         trim(answer%best%way%splitting))
+      call add("method      " // trim(answer%best%setup%method))
+      if (answer%best%setup%splitting /= no_splitting) call add("splitting   " // &
+         trim(answer%best%setup%splitting))
       call add("step h      " // text_of(answer%best%h))
       call add("error       " // brief_number(answer%best%error) // " predicted; " // &
                brief_number(answer%best%near) // " is the median of " // text_of(answer%bodies) // &
-               " states, " // text_of(answer%own) // " of them the scene's own")
+               " states, " // text_of(answer%given) // " of them the scene's own")
       call add("time        " // brief_number(answer%best%ns) // " ns a body-step, " // &
                brief_number(answer%best%run) // " s the run, on one thread")
       if (answer%runner_up%h > 0) then
-         call add("runner-up   " // label_of(answer%runner_up%way) // ", h = " // &
+         call add("runner-up   " // label_of(answer%runner_up%setup) // ", h = " // &
             text_of(answer%runner_up%h) // &
                   ", " // brief_number(answer%runner_up%run/answer%best%run) // &
                      " times as long, error " // &
@@ -71,7 +71,7 @@ contains
       real(dp), intent(in) :: tol
       type(choice), intent(in) :: answer
       character(:), allocatable :: text
-      text = label_of(answer%best%way) // ", h = " // text_of(answer%best%h) // " for tol = " // &
+      text = label_of(answer%best%setup) // ", h = " // text_of(answer%best%h) // " for tol = " // &
          brief_number(tol) // &
              ": error " // brief_number(answer%best%error) // ", " // &
                 brief_number(answer%best%ns) // &
@@ -90,11 +90,11 @@ contains
       character(9), parameter :: keys(4) = [character(9) :: "method", "splitting", "h", "tol"]
       type(scene_source) :: source
       type(scene_settings) :: again
-      values(1)%text = "'" // trim(answer%best%way%method) // "'"
+      values(1)%text = "'" // trim(answer%best%setup%method) // "'"
       values(2)%text = "'" // scene%splitting // "'"
       if (scene%splitting == "auto") values(2)%text = "'srkn6'"
-      if (answer%best%way%splitting /= no_splitting) values(2)%text = "'" // &
-         trim(answer%best%way%splitting) // "'"
+      if (answer%best%setup%splitting /= no_splitting) values(2)%text = "'" // &
+         trim(answer%best%setup%splitting) // "'"
       values(3)%text = text_of(answer%best%h)
       values(4)%text = text_of(tol)
       call fill_scene(scene%file, path, "chosen by poinsot choose: " // choice_sentence(tol, &

@@ -5,7 +5,7 @@ module poinsot_study_cost
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_watch, only: run_watch
-   use poinsot_study_candidates, only: look_at, quiet_scene, list_candidates, plan_splitting
+   use poinsot_study_candidates, only: survey_scene, quiet_scene, list_candidates, plan_splitting
    use poinsot_study_clock, only: wall_seconds
    use poinsot_study_cost_climb, only: climber, climb
    use poinsot_study_cost_data, only: cost_request, cost_study
@@ -40,7 +40,7 @@ contains
       mine = request
       mine%budget = request%budget - request%reserve
       call quiet_scene(scene, quiet)
-      call look_at(quiet, study%kind, error)
+      call survey_scene(quiet, study%kind, error)
       if (.not. raised(error)) call list_candidates(quiet, study%kind, request%methods, &
          request%splittings, study%candidates, error)
       if (.not. raised(error)) call draw_members(quiet, study%kind%coupled, request%members, &

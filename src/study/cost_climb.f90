@@ -71,7 +71,7 @@ contains
             call one_point(request, climbers(i), i, steps, study, one)
             call add_point(study%points, n, one)
             call judge(study%candidates(i)%order, study%points(:n), one, limit, climbers(i))
-            call watch%tell(wall_seconds() - begun, request%budget)
+            call watch%report_progress(wall_seconds() - begun, request%budget)
          end do
          if (study%stopped) exit
          level_took = wall_seconds() - level_took
@@ -102,7 +102,7 @@ contains
       if (.not. run%good) return
       one%guess = 1e9_dp*run%seconds/(real(steps, dp)*study%members%n)
       call find_errors(run, study%reference%state, study%t_end, errors)
-      call digest(errors, study%members%own, one)
+      call digest(errors, study%members%given, one)
    end subroutine one_point
 
    !> Is there anything to gain from shorter steps?
@@ -111,20 +111,20 @@ contains
       real(dp), intent(in) :: limit            !! times dearer than another that is as good
       type(cost_point), intent(in) :: points(:), one
       type(climber), intent(inout) :: mine
-      real(dp) :: off, price
+      real(dp) :: deviation, cost_of
       integer :: i
       if (.not. one%good) return
-      off = error_of(one, of_both, middle)
-      if (off > 0.6_dp*mine%last .and. off < 1e-9_dp) mine%stalls = mine%stalls + 1
-      if (off < 0.6_dp*mine%last) mine%stalls = 0
-      mine%last = min(off, mine%last)
+      deviation = error_of(one, of_both, middle)
+      if (deviation > 0.6_dp*mine%last .and. deviation < 1e-9_dp) mine%stalls = mine%stalls + 1
+      if (deviation < 0.6_dp*mine%last) mine%stalls = 0
+      mine%last = min(deviation, mine%last)
       mine%running = mine%stalls < merge(16, 3, order == 0)
-      if (.not. off < 1e-2_dp) return
-      price = one%guess/one%h
+      if (.not. deviation < 1e-2_dp) return
+      cost_of = one%guess/one%h
       do i = 1, size(points)
          if (.not. points(i)%good) cycle
-         if (error_of(points(i), of_both, middle) <= off .and. &
-             limit*points(i)%guess/points(i)%h < price) mine%running = .false.
+         if (error_of(points(i), of_both, middle) <= deviation .and. &
+             limit*points(i)%guess/points(i)%h < cost_of) mine%running = .false.
       end do
    end subroutine judge
 

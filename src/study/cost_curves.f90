@@ -104,7 +104,7 @@ contains
          if (only_if_free) limit = 6
       end if
       call place_label(labels, x, y, len(text) + merge(2, 0, style == "Bold"), curve, place, limit)
-      if (.not. place%price < limit) return
+      if (.not. place%penalty < limit) return
       shown = text
       if (style /= "") shown = "{/:" // style // " " // text // "}"
       call put(file, "set label '" // shown // "' at " // graph_place(place%x, place%y) // " " // &

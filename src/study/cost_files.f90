@@ -164,7 +164,7 @@ contains
       call put(file, "scene         " // scene%name // " to t = " // text_of(study%t_end) // &
                ", poinsot " // version_text, error)
       call put(file, "states        " // text_of(study%members%n) // ", " // &
-               text_of(study%members%own) // " of them the scene's own; the others " // &
+               text_of(study%members%given) // " of them the scene's own; the others " // &
                spread_text(request%spread), error)
       if (study%kind%noisy) call put(file, &
          "noise         off: the thermostat is at temperature 0, its " // &

@@ -79,7 +79,7 @@ contains
    integer function usual_point(study, method) result(at)
       type(cost_study), intent(in) :: study
       character(*), intent(in) :: method
-      real(dp) :: nearest, off, wanted
+      real(dp) :: nearest, deviation, wanted
       integer :: i
       at = 0
       nearest = huge(nearest)
@@ -95,9 +95,9 @@ contains
       do i = 1, size(study%points)
          associate (p => study%points(i))
             if (study%candidates(p%candidate)%method /= method .or. .not. p%good) cycle
-            off = abs(log(p%h/max(wanted, tiny(wanted))))
-            if (off >= nearest) cycle
-            nearest = off
+            deviation = abs(log(p%h/max(wanted, tiny(wanted))))
+            if (deviation >= nearest) cycle
+            nearest = deviation
             at = i
          end associate
       end do

@@ -5,11 +5,11 @@ module poinsot_study_cost_point
    use poinsot_study_statistics, only: median
    implicit none(type, external)
    private
-   public :: cost_point, digest, frontier, cheapest, add_point, all_states, middle, worst, own
+   public :: cost_point, digest, frontier, cheapest, add_point, all_states, middle, worst, given
    public :: of_angle, of_momentum, of_both, error_of, slope_of
 
    !> Median and worst over all initial states, worst of the scene's own.
-   integer, parameter :: middle = 1, worst = 2, own = 3
+   integer, parameter :: middle = 1, worst = 2, given = 3
    integer, parameter :: all_states = 3
    integer, parameter :: of_angle = 1, of_momentum = 2, of_both = 3 !! the larger of the two
 
@@ -36,22 +36,22 @@ module poinsot_study_cost_point
 
 contains
 
-   !> Median, worst, and worst of the first `own_bodies`.
-   pure subroutine digest(errors, own_bodies, point)
+   !> Median, worst, and worst of the first `given_bodies`.
+   pure subroutine digest(errors, given_bodies, point)
       type(body_errors), intent(in) :: errors
-      integer, intent(in) :: own_bodies
+      integer, intent(in) :: given_bodies
       type(cost_point), intent(inout) :: point
-      point%angle = three(errors%angle, own_bodies)
-      point%momentum = three(errors%momentum, own_bodies)
-      point%energy = three(errors%energy, own_bodies)
-      point%slope = three(errors%slope, own_bodies)
+      point%angle = three(errors%angle, given_bodies)
+      point%momentum = three(errors%momentum, given_bodies)
+      point%energy = three(errors%energy, given_bodies)
+      point%slope = three(errors%slope, given_bodies)
    end subroutine digest
 
-   pure function three(x, own_bodies) result(values)
+   pure function three(x, given_bodies) result(values)
       real(dp), intent(in) :: x(:)
-      integer, intent(in) :: own_bodies
+      integer, intent(in) :: given_bodies
       real(dp) :: values(all_states)
-      values = [median(x), maxval(x), maxval(x(:own_bodies))]
+      values = [median(x), maxval(x), maxval(x(:given_bodies))]
    end function three
 
    !> The error that counts.
@@ -80,16 +80,17 @@ contains
    pure subroutine frontier(points, what)
       type(cost_point), intent(inout) :: points(:)
       integer, intent(in) :: what      !! of_angle or of_momentum
-      real(dp) :: time(size(points)), off(size(points))
+      real(dp) :: time(size(points)), deviation(size(points))
       integer :: i
       do i = 1, size(points)
          time(i) = time_of(points(i))
-         off(i) = error_of(points(i), what, middle)
+         deviation(i) = error_of(points(i), what, middle)
       end do
       do i = 1, size(points)
          points(i)%front(what) = points(i)%good .and. points(i)%ns > 0 .and. .not. &
-            any(points%good .and. points%ns > 0 .and. time <= time(i) .and. off <= off(i) .and. &
-                (time < time(i) .or. off < off(i)))
+            any(points%good .and. points%ns > 0 .and. time <= time(i) .and. &
+               deviation <= deviation(i) .and. &
+                (time < time(i) .or. deviation < deviation(i)))
       end do
    end subroutine frontier
 

@@ -69,7 +69,7 @@ contains
                end if
                p%repeats = round
             end associate
-            call watch%tell(wall_seconds() - begun, request%budget)
+            call watch%report_progress(wall_seconds() - begun, request%budget)
          end do
          if (study%stopped) exit
          round_took = wall_seconds() - round_took
@@ -87,15 +87,16 @@ contains
       real(dp), intent(in) :: ns(:)             !! of a body-step
       logical, intent(inout) :: wanted(:)
       real(dp), parameter :: near = 2
-      real(dp) :: price(size(points)), off(size(points))
+      real(dp) :: cost_of(size(points)), deviation(size(points))
       integer :: i
       do i = 1, size(points)
-         price(i) = ns(i)/points(i)%h
-         off(i) = error_of(points(i), of_both, middle)
+         cost_of(i) = ns(i)/points(i)%h
+         deviation(i) = error_of(points(i), of_both, middle)
       end do
       do i = 1, size(points)
          if (.not. wanted(i)) cycle
-         wanted(i) = price(i) <= near*minval(price, mask=points%good .and. off <= off(i))
+         wanted(i) = cost_of(i) <= near*minval(cost_of, mask=points%good .and. &
+            deviation <= deviation(i))
       end do
    end subroutine near_frontier
 

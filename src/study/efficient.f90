@@ -26,13 +26,13 @@ contains
       integer, intent(in) :: candidates, what
       type(frontier_part), allocatable, intent(out) :: parts(:)
       type(frontier_part) :: found(200)
-      real(dp), allocatable :: tol(:), price(:, :)
+      real(dp), allocatable :: tol(:), cost_of(:, :)
       integer :: i, n, j, last, best, reach
-      call prices(points, candidates, what, tol, price)
+      call costs(points, candidates, what, tol, cost_of)
       n = 0
       j = 1
       do while (j <= size(tol) .and. n < size(found))
-         if (.not. minval(price(:, j)) < huge(1.0_dp)) then
+         if (.not. minval(cost_of(:, j)) < huge(1.0_dp)) then
             j = j + 1
             cycle
          end if
@@ -41,8 +41,8 @@ contains
          do i = 1, candidates
             last = j - 1
             do while (last < size(tol))
-               if (.not. minval(price(:, last + 1)) < huge(1.0_dp)) exit
-               if (price(i, last + 1) > as_good*minval(price(:, last + 1))) exit
+               if (.not. minval(cost_of(:, last + 1)) < huge(1.0_dp)) exit
+               if (cost_of(i, last + 1) > as_good*minval(cost_of(:, last + 1))) exit
                last = last + 1
             end do
             if (last <= reach .or. last < j) cycle
@@ -58,34 +58,35 @@ contains
    end subroutine frontier_parts
 
    !> Cheapest time of every candidate at every tolerance that has points.
-   pure subroutine prices(points, candidates, what, tol, price)
+   pure subroutine costs(points, candidates, what, tol, cost_of)
       type(cost_point), intent(in) :: points(:)
       integer, intent(in) :: candidates, what
-      real(dp), allocatable, intent(out) :: tol(:), price(:, :)
-      real(dp) :: off
+      real(dp), allocatable, intent(out) :: tol(:), cost_of(:, :)
+      real(dp) :: deviation
       integer :: i, j, n
-      off = coarsest ! no names for what rounding leaves of one and takes from another
+      deviation = coarsest ! no names for what rounding leaves of one and takes from another
       do i = 1, size(points)
-         if (points(i)%good .and. points(i)%ns > 0) off = min(off, max(error_of(points(i), what, &
+         if (points(i)%good .and. points(i)%ns > 0) deviation = min(deviation, &
+            max(error_of(points(i), what, &
             middle), finest))
       end do
-      n = max(1, int(log(coarsest/(3*off))/log(grid)))
-      allocate (tol(n), price(candidates, n))
-      price = huge(1.0_dp)
+      n = max(1, int(log(coarsest/(3*deviation))/log(grid)))
+      allocate (tol(n), cost_of(candidates, n))
+      cost_of = huge(1.0_dp)
       do j = 1, n
          tol(j) = coarsest/grid**(j - 1)
       end do
       do i = 1, size(points)
          associate (p => points(i))
             if (.not. p%good .or. .not. p%ns > 0) cycle
-            off = max(error_of(p, what, middle), finest)
+            deviation = max(error_of(p, what, middle), finest)
             do j = 1, n
-               if (off > tol(j)) exit
-               price(p%candidate, j) = min(price(p%candidate, j), p%ns/p%h)
+               if (deviation > tol(j)) exit
+               cost_of(p%candidate, j) = min(cost_of(p%candidate, j), p%ns/p%h)
             end do
          end associate
       end do
-   end subroutine prices
+   end subroutine costs
 
    !> The cheapest point of a candidate within a tolerance.
    pure integer function point_at(points, candidate, what, tol) result(at)
@@ -110,19 +111,19 @@ contains
       type(cost_point), intent(in) :: points(:)
       integer, intent(in) :: what
       real(dp), allocatable, intent(out) :: line(:, :)
-      real(dp) :: off(size(points))
+      real(dp) :: deviation(size(points))
       integer :: i, k, n
       logical :: left(size(points))
       n = count(points%front(what))
       allocate (line(2, n))
       left = points%front(what)
       do i = 1, size(points)
-         off(i) = max(error_of(points(i), what, middle), finest)
+         deviation(i) = max(error_of(points(i), what, middle), finest)
       end do
       do i = 1, n
-         k = maxloc(off, 1, mask=left)
+         k = maxloc(deviation, 1, mask=left)
          left(k) = .false.
-         line(:, i) = [off(k), points(k)%ns/points(k)%h]
+         line(:, i) = [deviation(k), points(k)%ns/points(k)%h]
       end do
    end subroutine frontier_line
 

@@ -10,7 +10,7 @@ module poinsot_study_energy_drift
    use poinsot_study_clock, only: wall_seconds
    use poinsot_study_members, only: member_set
    use poinsot_study_statistics, only: median
-   use poinsot_study_trial, only: make_plan, march, member_energies
+   use poinsot_study_trial, only: make_plan, integrate, member_energies
    implicit none(type, external)
    private
    public :: drift_row, follow_energy
@@ -67,7 +67,7 @@ contains
          k = k + 1
          a_step = (wall_seconds() - begun)/max(done, 1_i8)
          if (next*h > longest*t_end .or. next*a_step > seconds .or. watch%stop_now()) exit
-         call march(plan, members, h, done, next - done, y, q, carry, good)
+         call integrate(plan, members, h, done, next - done, y, q, carry, good)
          if (.not. good) exit
          done = next
          call member_energies(plan, members, done*h, y, q, now)

@@ -31,22 +31,22 @@ contains
       type(end_state), intent(in) :: reference
       real(dp), intent(in) :: t_end
       type(body_errors), intent(out) :: errors
-      real(dp), allocatable :: off(:)
+      real(dp), allocatable :: deviation(:)
       integer :: i, k, looks, every
       call compare_states(real(run%y, qp), real(run%q, qp), reference, errors%angle, &
          errors%momentum)
       allocate (errors%energy(size(run%y, 2)), errors%slope(size(run%y, 2)))
       looks = ubound(run%energy, 2)
       every = ubound(reference%energy, 2)/looks
-      allocate (off(0:looks))
+      allocate (deviation(0:looks))
       do i = 1, size(errors%energy)
          do k = 0, looks
-            off(k) = (run%energy(i, k) - reference%energy(i, min(k*every, &
+            deviation(k) = (run%energy(i, k) - reference%energy(i, min(k*every, &
                                                               ubound(reference%energy, &
                                                                  2))))/reference%scale(i)
          end do
-         errors%energy(i) = maxval(abs(off))
-         errors%slope(i) = abs(line_slope(off))*looks/t_end
+         errors%energy(i) = maxval(abs(deviation))
+         errors%slope(i) = abs(line_slope(deviation))*looks/t_end
       end do
    end subroutine find_errors
 

@@ -9,12 +9,12 @@ module poinsot_study_hard
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
    use poinsot_splitting_registry, only: splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names, kind_about, cases_of_kind
-   use poinsot_study_hard_kinds, only: way_names
+   use poinsot_study_hard_kinds, only: approach_names
    use poinsot_study_hard_promises, only: promise_names, promise_bounds, promise_about, &
       broken, measured_nothing
    use poinsot_study_hard_rows, only: hard_row, measure_rows, find_row, verdict_words, is_case
    use poinsot_study_hard_tops, only: top_names, top_bounds, top_about
-   use poinsot_study_tell, only: tell
+   use poinsot_study_write_line, only: write_line
    implicit none(type, external)
    private
    public :: run_hard
@@ -49,14 +49,14 @@ contains
          call show_verdicts(unit, rows)
       else
          do i = 1, size(rows)
-            call tell(unit, line_of(rows(i)))
+            call write_line(unit, line_of(rows(i)))
          end do
       end if
       if (folder /= "") call write_csv(folder, rows, error)
       bad = count(.not. rows%good)
       write (text, "(i0, a, i0, a)") size(rows) - bad, " of ", size(rows), " verdicts are good"
-      call tell(unit, "")
-      call tell(unit, text)
+      call write_line(unit, "")
+      call write_line(unit, text)
       if (bad > 0 .and. .not. raised(error)) call raise(error, poinsot_e_convergence, &
          "hard: a bound is broken, see BROKEN above")
    end subroutine run_hard
@@ -87,29 +87,29 @@ contains
       type(hard_row), intent(in) :: rows(:)
       character(120) :: line
       integer :: kind, w
-      call tell(unit, "Hard bodies: worst error in units of conditioning (one unit: what "// &
+      call write_line(unit, "Hard bodies: worst error in units of conditioning (one unit: what "// &
          "moving inputs by")
-      call tell(unit, "1e-16 does), against a Taylor series in quadruple precision")
-      do w = 1, size(way_names)
-         call tell(unit, "")
-         if (w == 1) call tell(unit, "The whole time in one step:")
-         if (w == 2) call tell(unit, "In steps of at most 0.2 radians:")
-         call tell(unit, "")
+      call write_line(unit, "1e-16 does), against a Taylor series in quadruple precision")
+      do w = 1, size(approach_names)
+         call write_line(unit, "")
+         if (w == 1) call write_line(unit, "The whole time in one step:")
+         if (w == 2) call write_line(unit, "In steps of at most 0.2 radians:")
+         call write_line(unit, "")
          write (line, "(11x, *(1x, a7))") adjustr(heads)
-         call tell(unit, line)
+         call write_line(unit, line)
          do kind = 1, size(kind_names)
-            call tell(unit, table_line(kind_names(kind), rows, shown, way_names(w)))
+            call write_line(unit, table_line(kind_names(kind), rows, shown, approach_names(w)))
          end do
       end do
-      call tell(unit, "")
-      call tell(unit, "refused: status 'step too long' or 'no convergence', state kept; "// &
+      call write_line(unit, "")
+      call write_line(unit, "refused: status 'step too long' or 'no convergence', state kept; "// &
          "*: in some of the cases")
       write (line, "(a, i0, a)") "A step of any size up to 20 radians unless said; ", &
          cases_of_kind, " cases of each kind, in all orders of the axes:"
-      call tell(unit, line)
-      call tell(unit, "")
+      call write_line(unit, line)
+      call write_line(unit, "")
       do kind = 1, size(kind_names)
-         call tell(unit, "   "//kind_names(kind)//"  "//kind_about(kind))
+         call write_line(unit, "   "//kind_names(kind)//"  "//kind_about(kind))
       end do
    end subroutine show_kinds
 
@@ -118,18 +118,19 @@ contains
       type(hard_row), intent(in) :: rows(:)
       character(120) :: line
       integer :: k
-      call tell(unit, "")
-      call tell(unit, "Promises of every method, in 1e-16 of |y| and of 1; 0: to the bit; -: "// &
+      call write_line(unit, "")
+      call write_line(unit, &
+         "Promises of every method, in 1e-16 of |y| and of 1; 0: to the bit; -: "// &
          "not promised")
-      call tell(unit, "")
+      call write_line(unit, "")
       write (line, "(11x, *(1x, a7))") adjustr(heads)
-      call tell(unit, line)
+      call write_line(unit, line)
       do k = 1, size(promise_names)
-         call tell(unit, table_line(promise_names(k), rows, shown, ""))
+         call write_line(unit, table_line(promise_names(k), rows, shown, ""))
       end do
-      call tell(unit, "")
+      call write_line(unit, "")
       do k = 1, size(promise_names)
-         call tell(unit, legend(promise_names(k), promise_about(k), promise_bounds(k)))
+         call write_line(unit, legend(promise_names(k), promise_about(k), promise_bounds(k)))
       end do
    end subroutine show_promises
 
@@ -142,17 +143,17 @@ contains
       do k = 1, size(schemes)
          schemes(k) = splitting_name(k)
       end do
-      call tell(unit, "")
-      call tell(unit, "Tops and fields by every splitting, with the exact rotor, in 1e-16:")
-      call tell(unit, "")
+      call write_line(unit, "")
+      call write_line(unit, "Tops and fields by every splitting, with the exact rotor, in 1e-16:")
+      call write_line(unit, "")
       write (line, "(11x, *(1x, a7))") adjustr(scheme_heads)
-      call tell(unit, line)
+      call write_line(unit, line)
       do k = 1, size(top_names)
-         call tell(unit, table_line(top_names(k), rows, schemes, ""))
+         call write_line(unit, table_line(top_names(k), rows, schemes, ""))
       end do
-      call tell(unit, "")
+      call write_line(unit, "")
       do k = 1, size(top_names)
-         call tell(unit, legend(top_names(k), top_about(k), top_bounds(k)))
+         call write_line(unit, legend(top_names(k), top_about(k), top_bounds(k)))
       end do
    end subroutine show_tops
 
@@ -168,14 +169,14 @@ contains
    end function legend
 
    !> One line of a table: the case, and a cell for each method or splitting.
-   function table_line(case, rows, names, way) result(line)
-      character(*), intent(in) :: case, names(:), way
+   function table_line(case, rows, names, approach) result(line)
+      character(*), intent(in) :: case, names(:), approach
       type(hard_row), intent(in) :: rows(:)
       character(120) :: line
       character(8) :: cells(size(names))
       integer :: j
       do j = 1, size(names)
-         cells(j) = cell(rows(find_row(rows, case, trim(names(j)), way)))
+         cells(j) = cell(rows(find_row(rows, case, trim(names(j)), approach)))
       end do
       write (line, "(a11, *(a8))") case//repeat(" ", 11), cells
    end function table_line
@@ -185,11 +186,11 @@ contains
       type(hard_row), intent(in) :: row
       character(8) :: text
       if (row%counts%other > 0 .or. row%figure >= broken .or. &
-         (row%way == "" .and. .not. row%good)) then
+         (row%approach == "" .and. .not. row%good)) then
          text = "  BROKEN"
       else if (row%figure <= measured_nothing) then
          text = "      -"
-      else if (row%way /= "" .and. row%counts%answered == 0) then
+      else if (row%approach /= "" .and. row%counts%answered == 0) then
          text = " refused"
       else
          if (.not. row%figure > 0) then
@@ -211,14 +212,14 @@ contains
       integer, intent(in) :: unit
       type(hard_row), intent(in) :: rows(:)
       integer :: m
-      call tell(unit, "")
-      call tell(unit, "Verdicts; the worst figure over its bound, and where")
-      call tell(unit, "")
+      call write_line(unit, "")
+      call write_line(unit, "Verdicts; the worst figure over its bound, and where")
+      call write_line(unit, "")
       do m = 1, method_count()
-         call tell(unit, sentence(method_name(m), rows))
+         call write_line(unit, sentence(method_name(m), rows))
       end do
       do m = 1, splitting_count()
-         call tell(unit, sentence(splitting_name(m), rows))
+         call write_line(unit, sentence(splitting_name(m), rows))
       end do
    end subroutine show_verdicts
 
@@ -243,7 +244,7 @@ contains
       write (numbers, "(f7.3, 2a)") min(rows(worst)%part, 999.0_dp), &
          " of the bound, ", trim(rows(worst)%case)
       line = "   "//name//merge("good   ", "BROKEN ", bad == 0)//trim(numbers)
-      if (rows(worst)%way == "pieces") line = line//" in pieces"
+      if (rows(worst)%approach == "pieces") line = line//" in pieces"
       if (refused > 0) then
          write (numbers, "(a, i0, a)") "; ", refused, " steps refused"
          line = line//trim(numbers)
@@ -259,7 +260,7 @@ contains
       figure = cell(row)
       part = ""
       if (row%part > 0) write (part, "(f7.3, a)") min(row%part, 999.0_dp), " of the bound"
-      line = row%case//" "//row%who//row%way//figure//"  "//part//verdict_words(row)
+      line = row%case//" "//row%who//row%approach//figure//"  "//part//verdict_words(row)
    end function line_of
 
    subroutine write_csv(folder, rows, error)
@@ -280,7 +281,8 @@ contains
             figure = ""
             if (row%figure >= 0 .and. row%figure < broken) write (figure, "(es9.3)") row%figure
             write (line, "(3(a, ','), 3(i0, ','), 3(es9.3, ','), a, ',', f6.4, ',', i0, ',', 3a)") &
-               trim(row%case), trim(row%who), trim(row%way), of%answered, of%too_long, of%other, &
+               trim(row%case), trim(row%who), trim(row%approach), of%answered, of%too_long, &
+                  of%other, &
                of%y, of%q, of%largest, trim(figure), min(row%part, 9.0_dp), &
                merge(1, 0, row%good), '"', verdict_words(row), '"'
          end associate

@@ -14,7 +14,7 @@ module poinsot_study_hard_kinds
    use poinsot_study_turn, only: turn_one, momentum_gap, attitude_gap
    implicit none(type, external)
    private
-   public :: hard_result, judge_kind, total, ways, way_names
+   public :: hard_result, judge_kind, total, approaches, approach_names
 
    !> One kind, one method, one way of stepping.
    type :: hard_result
@@ -37,8 +37,8 @@ module poinsot_study_hard_kinds
    end type solved_case
 
    real(dp), parameter :: piece = 0.2_dp
-   integer, parameter :: ways = 2
-   character(6), parameter :: way_names(ways) = [character(6) :: "whole", "pieces"]
+   integer, parameter :: approaches = 2
+   character(6), parameter :: approach_names(approaches) = [character(6) :: "whole", "pieces"]
    real(dp), parameter :: roundings = 20 !! units of conditioning that any method may lose
 
 contains

@@ -224,12 +224,13 @@ contains
    real(dp) function near_unit(name, b) result(figure)
       character(*), intent(in) :: name
       integer, intent(in) :: b
-      real(dp), parameter :: off(6) = [1e-16_dp, -1e-12_dp, 1e-9_dp, -1e-7_dp, 9e-7_dp, -9e-7_dp]
+      real(dp), parameter :: deviation(6) = [1e-16_dp, -1e-12_dp, 1e-9_dp, -1e-7_dp, 9e-7_dp, &
+         -9e-7_dp]
       real(dp) :: q(4), norm
       integer :: k, status
       figure = 0
-      do k = 1, size(off)
-         q = start*(1 + off(k))
+      do k = 1, size(deviation)
+         q = start*(1 + deviation(k))
          norm = norm2(q)
          call rotate_one(name, b, q, status)
          if (status /= poinsot_ok) then

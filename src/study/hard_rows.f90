@@ -4,7 +4,7 @@ module poinsot_study_hard_rows
    use poinsot_free_method, only: method_count, method_name
    use poinsot_splitting_registry, only: splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names
-   use poinsot_study_hard_kinds, only: hard_result, judge_kind, ways, way_names
+   use poinsot_study_hard_kinds, only: hard_result, judge_kind, approaches, approach_names
    use poinsot_study_hard_promises, only: promise_names, promise_bounds, measure_promise, &
       broken, measured_nothing
    use poinsot_study_hard_tops, only: top_names, measure_top, top_bound
@@ -16,7 +16,7 @@ module poinsot_study_hard_rows
    type :: hard_row
       character(11) :: case = ""
       character(20) :: who = ""          !! method, or splitting
-      character(6) :: way = ""           !! whole, pieces; "" where there is one way only
+      character(6) :: approach = ""           !! whole, pieces; "" where there is one way only
       type(hard_result) :: counts = hard_result() !! answers and refusals of a kind of bodies
       real(dp) :: figure = 0             !! worst error, in conditioning units or in 1e-16
       real(dp) :: part = 0               !! over the bound; above 1: broken
@@ -29,7 +29,7 @@ contains
    subroutine measure_rows(only, rows)
       character(*), intent(in) :: only                      !! "": all
       type(hard_row), allocatable, intent(out) :: rows(:)
-      type(hard_result) :: results(method_count(), ways)
+      type(hard_result) :: results(method_count(), approaches)
       type(hard_row) :: row
       integer :: k, m, w
       allocate (rows(0))
@@ -37,8 +37,8 @@ contains
          if (is_case(only) .and. only /= kind_names(k)) cycle
          call judge_kind(k, results)
          do m = 1, method_count()
-            do w = 1, ways
-               row = hard_row(kind_names(k), method_name(m), way_names(w), results(m, w))
+            do w = 1, approaches
+               row = hard_row(kind_names(k), method_name(m), approach_names(w), results(m, w))
                row%figure = max(results(m, w)%y, results(m, w)%q)
                row%part = results(m, w)%part
                row%good = row%part <= 1 .and. results(m, w)%other == 0
@@ -89,11 +89,12 @@ contains
    end function is_case
 
    !> Place of a row; 0 if there is none.
-   pure integer function find_row(rows, case, who, way) result(i)
+   pure integer function find_row(rows, case, who, approach) result(i)
       type(hard_row), intent(in) :: rows(:)
-      character(*), intent(in) :: case, who, way
+      character(*), intent(in) :: case, who, approach
       do i = size(rows), 1, -1
-         if (rows(i)%case == case .and. rows(i)%who == who .and. rows(i)%way == way) return
+         if (rows(i)%case == case .and. rows(i)%who == who .and. &
+            rows(i)%approach == approach) return
       end do
    end function find_row
 
@@ -106,7 +107,7 @@ contains
          words = "BROKEN"
       else if (row%figure <= measured_nothing) then
          words = "not promised"
-      else if (row%way == "") then
+      else if (row%approach == "") then
          words = "kept"
          if (row%figure <= 0) words = "kept to the bit"
       else if (row%counts%answered == 0) then

@@ -32,7 +32,7 @@ module poinsot_study_labels
    type :: label_place
       real(dp) :: x = 0, y = 0         !! left, middle or right end of the text, as `side` says
       integer :: side = 1              !! of its point: 1 right, 0 above or below, -1 left
-      real(dp) :: price = huge(1.0_dp) !! from 300: it lies on another
+      real(dp) :: penalty = huge(1.0_dp) !! from 300: it lies on another
       logical :: led = .false.      !! far from its curve: a thin line leads there,
       real(dp) :: line(4) = 0          !! from (x, y) to (x, y)
    end type label_place
@@ -105,9 +105,9 @@ contains
          last = at
       end do
       if (present(limit)) then
-         if (place%price > limit) return
+         if (place%penalty > limit) return
       end if
-      if (list%boxes == most .or. .not. place%price < huge(1.0_dp)) return
+      if (list%boxes == most .or. .not. place%penalty < huge(1.0_dp)) return
       list%boxes = list%boxes + 1
       list%box(:, list%boxes) = box_of(place%x - 0.5_dp*(1 - place%side)*width, place%y, width)
    end subroutine place_label
@@ -142,83 +142,85 @@ contains
       !> right below, right, right above, left above, left, left below, below, above
       real(dp), parameter :: aside(8) = [1, 1, 1, -1, -1, -1, 0, 0]
       real(dp), parameter :: above(8) = [-1, 0, 1, 1, 0, -1, -1, 1]
-      real(dp) :: box(4), x, y, price, touch(2)
+      real(dp) :: box(4), x, y, penalty, touch(2)
       x = at(1) + aside(side)*(merge(0.012_dp, 0.016_dp, abs(above(side)) > 0) + 0.012_dp*ring)
       if (aside(side) < 0) x = x - width
       if (abs(aside(side)) < 0.5_dp) x = x - 0.5_dp*width
       y = at(2) + above(side)*(merge(0.024_dp, 0.034_dp, abs(aside(side)) > 0.5_dp) + 0.032_dp*ring)
       if (ring > 0 .and. abs(above(side)) < 0.5_dp) return
       box = box_of(x, y, width)
-      price = 0.15_dp*side + 2.5_dp*ring
+      penalty = 0.15_dp*side + 2.5_dp*ring
       if (box(1) < 0.004_dp .or. box(2) > 1.01_dp .or. box(3) < 0.004_dp .or. box(4) > 1) then
-         price = price + outside
+         penalty = penalty + outside
       end if
-      price = price + on_names(list, box)
-      if (price >= place%price) return
-      price = price + on_curves(list, box, curve)
+      penalty = penalty + on_names(list, box)
+      if (penalty >= place%penalty) return
+      penalty = penalty + on_curves(list, box, curve)
       touch = [min(max(at(1), box(1)), box(2)), min(max(at(2), box(3)), box(4))]
-      if (ring > 0) price = price + crossings(list, at, touch)
-      if (price >= place%price) return
+      if (ring > 0) penalty = penalty + crossings(list, at, touch)
+      if (penalty >= place%penalty) return
       place%side = nint(aside(side))
       place%x = x + 0.5_dp*(1 - place%side)*width
       place%y = y
-      place%price = price
+      place%penalty = penalty
       place%led = hypot(wide*(touch(1) - at(1)), touch(2) - at(2)) > led_from
       place%line = [touch, at]
    end subroutine try_place
 
    !> Names under a box.
-   pure real(dp) function on_names(list, box) result(price)
+   pure real(dp) function on_names(list, box) result(penalty)
       type(label_list), intent(in) :: list
       real(dp), intent(in) :: box(4)
       integer :: i
-      price = 0
+      penalty = 0
       do i = 1, list%boxes
          if (box(2) < list%box(1, i) .or. box(1) > list%box(2, i)) cycle
          if (box(4) < list%box(3, i) .or. box(3) > list%box(4, i)) cycle
-         price = price + on_name
+         penalty = penalty + on_name
       end do
    end function on_names
 
    !> Curves under a box, and others nearer to it than its own.
-   pure real(dp) function on_curves(list, box, curve) result(price)
+   pure real(dp) function on_curves(list, box, curve) result(penalty)
       type(label_list), intent(in) :: list
       real(dp), intent(in) :: box(4)
       integer, intent(in) :: curve
-      real(dp) :: away, own, other
+      real(dp) :: distance, nearest_own, other
       integer :: i
-      price = 0
-      own = 1
+      penalty = 0
+      nearest_own = 1
       other = 1
       do i = 1, list%points
          associate (p => list%point(:, i))
-            away = hypot(wide*max(0.0_dp, box(1) - p(1), p(1) - box(2)), &
+            distance = hypot(wide*max(0.0_dp, box(1) - p(1), p(1) - box(2)), &
                          max(0.0_dp, box(3) - p(2), p(2) - box(4)))
          end associate
-         if (away < margin) price = price + on_curve
-         if (list%owner(i) == curve) own = min(own, away)
-         if (list%owner(i) /= curve) other = min(other, away)
+         if (distance < margin) penalty = penalty + on_curve
+         if (list%owner(i) == curve) nearest_own = min(nearest_own, distance)
+         if (list%owner(i) /= curve) other = min(other, distance)
       end do
-      own = own + margin
-      if (other < own) price = price + astray*min(1.0_dp, (own - other)/(5*margin))
+      nearest_own = nearest_own + margin
+      if (other < nearest_own) penalty = penalty + astray*min(1.0_dp, &
+         (nearest_own - other)/(5*margin))
    end function on_curves
 
    !> Names and curves that a line to the curve would cross; it ends on one.
-   pure real(dp) function crossings(list, from, to) result(price)
+   pure real(dp) function crossings(list, from, to) result(penalty)
       type(label_list), intent(in) :: list
       real(dp), intent(in) :: from(2), to(2)
       real(dp) :: at(2)
       integer :: i, k
-      price = 0
+      penalty = 0
       do k = 2, 8
          at = from + (to - from)*k/8.0_dp
          do i = 1, list%boxes
             if (at(1) > list%box(1, i) .and. at(1) < list%box(2, i) .and. &
-                at(2) > list%box(3, i) .and. at(2) < list%box(4, i)) price = price + on_name
+                at(2) > list%box(3, i) .and. at(2) < list%box(4, i)) penalty = penalty + on_name
          end do
          do i = 1, list%points
             associate (p => list%point(:, i))
-               if (hypot(wide*(at(1) - p(1)), at(2) - p(2)) < 0.5_dp*sample) price = price + 0.5_dp
+               if (hypot(wide*(at(1) - p(1)), &
+                  at(2) - p(2)) < 0.5_dp*sample) penalty = penalty + 0.5_dp
             end associate
          end do
       end do

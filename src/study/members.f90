@@ -21,7 +21,7 @@ module poinsot_study_members
    !> Initial states in the principal frame.
    type :: member_set
       integer :: n = 0                        !! bodies in all
-      integer :: own = 0                      !! the first of them are the scene's own
+      integer :: given = 0                      !! the first of them are the scene's own
       integer :: together = 1 !! bodies of one system: 1, or those that see each other
       integer(c_int), allocatable :: group(:) !! (n): which &bodies group, from 1
       real(dp), allocatable :: y(:, :)        !! (3, n): angular momenta
@@ -61,14 +61,14 @@ contains
          return
       end if
       members%n = n
-      members%own = min(n, first%n)
+      members%given = min(n, first%n)
       do i = 1, n
          from = 1 + mod(i - 1, first%n)
          if (first%n > n) from = 1 + int(real(i - 1, dp)*(first%n - 1)/max(n - 1, 1))
          members%group(i) = first%group(from)
          members%y(:, i) = first%y(:, from)
          members%q(:, i) = first%q(:, from)
-         if (i > members%own) call disturb(scene%bodies(members%group(i))%moments, spread, &
+         if (i > members%given) call disturb(scene%bodies(members%group(i))%moments, spread, &
                                            scene%seed, int(i, i8), members%y(:, i), members%q(:, i))
       end do
       associate (unused => body_total(scene))
@@ -118,7 +118,7 @@ contains
       type(member_set), intent(out) :: many
       integer :: i, from
       many%n = n
-      many%own = n
+      many%given = n
       many%together = members%together
       allocate (many%group(n), many%y(3, n), many%q(4, n))
       do i = 1, n

@@ -32,7 +32,7 @@ module poinsot_study_plot_work
       integer, allocatable :: chosen(:)        !! candidates on the frontier, coarse to fine
       type(frontier_part), allocatable :: parts(:)
       type(label_list) :: labels
-      character(:), allocatable :: off, far    !! columns of cost.csv: error, its worst
+      character(:), allocatable :: deviation, far    !! columns of cost.csv: error, its worst
    end type work_picture
 
 contains
@@ -49,7 +49,7 @@ contains
       integer :: rivals
       if (raised(error)) return
       picture%what = what
-      picture%off = text_of(merge(7, 10, what == of_angle))
+      picture%deviation = text_of(merge(7, 10, what == of_angle))
       picture%far = text_of(merge(8, 11, what == of_angle))
       call work_axes(study, picture)
       call frontier_parts(study%points, size(study%candidates), what, picture%parts)
@@ -78,7 +78,7 @@ contains
    pure subroutine work_axes(study, picture)
       type(cost_study), intent(in) :: study
       type(work_picture), intent(inout) :: picture
-      real(dp) :: least(2), most(2), off, time
+      real(dp) :: least(2), most(2), deviation, time
       integer :: i, k, first, last
       least = huge(least)
       most = 0
@@ -87,11 +87,11 @@ contains
          do i = max(first, 1), last
             associate (p => study%points(i))
                if (.not. p%good .or. .not. p%ns > 0) cycle
-               off = shown_error(error_of(p, picture%what, middle))
+               deviation = shown_error(error_of(p, picture%what, middle))
                time = p%ns/p%h
-               if (off > 1) cycle
-               least = min(least, [off, time])
-               most = max(most, [off, time])
+               if (deviation > 1) cycle
+               least = min(least, [deviation, time])
+               most = max(most, [deviation, time])
             end associate
          end do
       end do
@@ -235,10 +235,11 @@ contains
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: columns, bars, plain
       integer :: k, first, last
-      columns = " using ($27 > 0 && $25 > 0 ? ($" // picture%off // " > 1e-17 ? $" // &
-                picture%off // " : 1e-17) : NaN):25"
+      columns = " using ($27 > 0 && $25 > 0 ? ($" // picture%deviation // " > 1e-17 ? $" // &
+                picture%deviation // " : 1e-17) : NaN):25"
       bars = " using ($27 > 0 && $" // text_of(merge(28, 29, picture%what == of_angle)) // &
-             " > 0 ? $" // picture%off // " : NaN):25:" // picture%off // ":" // picture%far
+             " > 0 ? $" // picture%deviation // " : NaN):25:" // picture%deviation // ":" // &
+                picture%far
       plain = " with lines lw 0.6 lc rgb '#c9c9c9', \"
       if (size(study%candidates) <= few) then
          plain = " with linespoints pt 7 ps 0.25 lw 0.9 lc rgb '#9a9a9a', \"

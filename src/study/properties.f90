@@ -12,7 +12,7 @@ module poinsot_study_properties
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
    use poinsot_study_defects, only: defects, measure_defects, plain_step
-   use poinsot_study_tell, only: tell
+   use poinsot_study_write_line, only: write_line
    use poinsot_study_turn, only: turn_one, momentum_gap, attitude_gap
    implicit none(type, external)
    private
@@ -276,11 +276,12 @@ contains
 
    subroutine show_head(unit)
       integer, intent(in) :: unit
-      call tell(unit, "What each method keeps: the review's Table 2 (Vilmart 2013), measured")
-      call tell(unit, "")
-      call tell(unit, "                     order measured  exact preservation of            "// &
+      call write_line(unit, "What each method keeps: the review's Table 2 (Vilmart 2013), measured")
+      call write_line(unit, "")
+      call write_line(unit, &
+         "                     order measured  exact preservation of            "// &
          "  sym- time-   exact for   kernel")
-      call tell(unit, &
+      call write_line(unit, &
          "method               y     q        Qy  C   H   |q| linear  Poisson plectic "// &
          "reversible symm. sphere  off")
    end subroutine show_head
@@ -299,7 +300,7 @@ contains
          holds(max(row%map%symmetric, row%map%reversible)), holds(row%symmetric_body), &
             holds(row%sphere), &
          row%distance
-      call tell(unit, line)
+      call write_line(unit, line)
    end subroutine show_row
 
    subroutine show_foot(unit, contradictions)
@@ -321,14 +322,14 @@ contains
          ""]
       integer :: i
       do i = 1, size(lines)
-         call tell(unit, trim(lines(i)))
+         call write_line(unit, trim(lines(i)))
       end do
       if (size(contradictions) == 0) then
-         call tell(unit, "No entry of the review's table is contradicted.")
+         call write_line(unit, "No entry of the review's table is contradicted.")
       else
-         call tell(unit, "Entries of the review's table that are contradicted:")
+         call write_line(unit, "Entries of the review's table that are contradicted:")
          do i = 1, size(contradictions)
-            call tell(unit, "  "//trim(contradictions(i)))
+            call write_line(unit, "  "//trim(contradictions(i)))
          end do
       end if
    end subroutine show_foot

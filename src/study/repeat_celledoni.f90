@@ -57,7 +57,7 @@ contains
             call choose_method(scene, request, watch, found(i, m), refused)
             if (refused%code == poinsot_e_convergence) cycle ! too slow: no point in the picture
             if (raised(refused)) error = refused
-            call watch%tell(real(i + (m - 1)*most, dp), real(most**2, dp))
+            call watch%report_progress(real(i + (m - 1)*most, dp), real(most**2, dp))
          end do
       end do
       if (.not. raised(error)) call write_table(out, found, error)
@@ -96,7 +96,7 @@ contains
             associate (b => found(i, m)%best)
                if (.not. b%h > 0) cycle
                write (line, "(es10.3, ',', a, ',', a, 5(',', es11.4e3))") energies(weights(i)), &
-                  trim(b%way%method), trim(b%way%splitting), b%h, b%error, b%ns, b%ns/b%h, &
+                  trim(b%setup%method), trim(b%setup%splitting), b%h, b%error, b%ns, b%ns/b%h, &
                   over_exact(found, i, m)
                call put(file, trim(line), error)
             end associate
@@ -148,7 +148,7 @@ contains
       line = "   splitting with exact"
       do i = 1, size(weights)
          associate (best => found(i, 1)%best)
-            if (best%h > 0) line = trim(line) // " " // trim(best%way%splitting)
+            if (best%h > 0) line = trim(line) // " " // trim(best%setup%splitting)
          end associate
       end do
       call put(file, trim(line), error)

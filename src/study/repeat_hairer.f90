@@ -134,10 +134,11 @@ contains
       integer, intent(in) :: m, body
       integer :: k
       slope = 0
-      associate (off => found%attitude(:, m, body))
-         do k = 2, size(off)
-            if (off(k - 1) > 0.1_dp .or. .not. off(k - 1) > off(k)) cycle ! 0: no result
-            if (off(k) > 3e-13_dp) slope = log(off(k - 1)/off(k))/log(2.0_dp)
+      associate (deviation => found%attitude(:, m, body))
+         do k = 2, size(deviation)
+            ! 0: no result
+            if (deviation(k - 1) > 0.1_dp .or. .not. deviation(k - 1) > deviation(k)) cycle
+            if (deviation(k) > 3e-13_dp) slope = log(deviation(k - 1)/deviation(k))/log(2.0_dp)
          end do
       end associate
    end function slope_of

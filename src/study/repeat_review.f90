@@ -29,7 +29,7 @@ contains
       character(*), intent(in) :: out
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: table, words
-      real(dp) :: y(3), q(4), off_y, off_q
+      real(dp) :: y(3), q(4), error_y, error_q
       character(240) :: line
       integer :: m
       call open_out(out // "/review.csv", table, error)
@@ -40,12 +40,12 @@ contains
       call put(words, "   method                steps     in y      in q", error)
       do m = 1, size(methods)
          call one_end(trim(methods(m)), steps(m), y, q, error)
-         off_y = norm2(y - y_end)
-         off_q = min(norm2(q - q_end), norm2(q + q_end))
+         error_y = norm2(y - y_end)
+         error_q = min(norm2(q - q_end), norm2(q + q_end))
          write (line, "(a, ',', i0, 7(',', es23.16), 2(',', es9.2))") trim(methods(m)), steps(m), &
-            y, q, off_y, off_q
+            y, q, error_y, error_q
          call put(table, trim(line), error)
-         write (line, "(3x, a20, i7, 2es10.1)") methods(m), steps(m), off_y, off_q
+         write (line, "(3x, a20, i7, 2es10.1)") methods(m), steps(m), error_y, error_q
          call put(words, trim(line), error)
       end do
       call finish_out(table, error)

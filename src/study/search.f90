@@ -35,7 +35,7 @@ module poinsot_study_search
       integer(i8) :: failed = 0            !! most multiples that did not do
       integer(i8) :: met = 0               !! fewest that did; 0: none yet
       real(dp) :: error = 0                !! with `met` multiples, before the margin
-      real(dp) :: own = 0, near = 0        !! the scene's own, and the median of all
+      real(dp) :: given = 0, near = 0        !! the scene's own, and the median of all
       real(dp) :: last = huge(1.0_dp)      !! error of the last try ...
       real(dp) :: paid = 0                 !! ... and its price
       real(dp) :: ns = 0                   !! of a body-step, as seen in passing
@@ -50,9 +50,9 @@ contains
 
    !> Run the race. Who is `slack` times dearer than another that meets the tolerance is out: with
    !> usual_slack a choice, with a large one an exhaustive search.
-   subroutine search_steps(task, racers, slack, deadline, watch)
+   subroutine search_steps(task, contenders, slack, deadline, watch)
       type(problem), intent(in) :: task
-      type(contender), intent(inout) :: racers(:)
+      type(contender), intent(inout) :: contenders(:)
       real(dp), intent(in) :: slack
       real(dp), intent(in) :: deadline           !! on the wall clock
       class(run_watch), intent(inout) :: watch
@@ -61,25 +61,25 @@ contains
       integer :: i
       begun = wall_seconds()
       multiple = 1
-      do while (any(racers%running) .and. multiple < 2_i8**40/task%unit)
-         do i = 1, size(racers)
-            if (.not. racers(i)%running) cycle
-            if (wall_seconds() + estimate(task, racers(i), multiple) > deadline .or. &
+      do while (any(contenders%running) .and. multiple < 2_i8**40/task%unit)
+         do i = 1, size(contenders)
+            if (.not. contenders(i)%running) cycle
+            if (wall_seconds() + estimate(task, contenders(i), multiple) > deadline .or. &
                watch%stop_now()) then
-               racers(i)%running = .false.
+               contenders(i)%running = .false.
                cycle
             end if
-            call try_steps(task, multiple, racers(i))
-            racers(i)%running = racers(i)%met == 0
-            if (racers(i)%running) racers(i)%running = price(racers(i), multiple) <= &
-                                                       slack*best_price(racers)
-            if (stalled(racers(i), multiple)) racers(i)%running = .false.
-            if (beaten(racers, i, 2*slack)) racers(i)%running = .false.
-            call watch%tell(wall_seconds() - begun, deadline - begun)
+            call try_steps(task, multiple, contenders(i))
+            contenders(i)%running = contenders(i)%met == 0
+            if (contenders(i)%running) contenders(i)%running = cost_of(contenders(i), multiple) <= &
+                                                       slack*lowest_cost(contenders)
+            if (stalled(contenders(i), multiple)) contenders(i)%running = .false.
+            if (beaten(contenders, i, 2*slack)) contenders(i)%running = .false.
+            call watch%report_progress(wall_seconds() - begun, deadline - begun)
          end do
          multiple = 2*multiple
       end do
-      call narrow(task, racers, slack, deadline, watch)
+      call narrow(task, contenders, slack, deadline, watch)
    end subroutine search_steps
 
    !> Rounding is reached, and shorter steps do not help.
@@ -91,12 +91,13 @@ contains
    end function stalled
 
    !> Another is as accurate for a fraction of the price.
-   pure logical function beaten(racers, i, slack)
-      type(contender), intent(in) :: racers(:)
+   pure logical function beaten(contenders, i, slack)
+      type(contender), intent(in) :: contenders(:)
       integer, intent(in) :: i
       real(dp), intent(in) :: slack
-      beaten = racers(i)%met == 0 .and. racers(i)%last < 0.1_dp .and. &
-               any(racers%last <= racers(i)%last .and. slack*racers%paid < racers(i)%paid)
+      beaten = contenders(i)%met == 0 .and. contenders(i)%last < 0.1_dp .and. &
+               any(contenders%last <= contenders(i)%last .and. &
+                  slack*contenders%paid < contenders(i)%paid)
    end function beaten
 
    !> Seconds that a try will take.
@@ -114,7 +115,7 @@ contains
       type(contender), intent(inout) :: one
       type(trial_run) :: run
       real(dp), allocatable :: angle(:), momentum(:)
-      real(dp) :: near, own, off
+      real(dp) :: near, given, deviation
       integer(i8) :: steps
       steps = multiple*task%unit
       call run_trial(one%plan, task%members, task%t_end, steps, 1, .true., run)
@@ -126,19 +127,19 @@ contains
       call compare_states(real(run%y, qp), real(run%q, qp), task%reference, angle, momentum)
       angle = max(angle, momentum)*task%growth
       near = median(angle)
-      own = maxval(angle(:task%members%own))
-      off = max(near, own)
-      one%last = off
-      one%paid = price(one, multiple)
-      if (off < 0.7_dp*one%best_error) then
-         one%best_error = off
+      given = maxval(angle(:task%members%given))
+      deviation = max(near, given)
+      one%last = deviation
+      one%paid = cost_of(one, multiple)
+      if (deviation < 0.7_dp*one%best_error) then
+         one%best_error = deviation
          one%best_multiple = multiple
       end if
-      if (off*task%margin <= task%tol) then
+      if (deviation*task%margin <= task%tol) then
          if (one%met > 0 .and. multiple >= one%met) return
          one%met = multiple
-         one%error = off
-         one%own = own
+         one%error = deviation
+         one%given = given
          one%near = near
       else
          one%failed = max(one%failed, multiple)
@@ -146,51 +147,52 @@ contains
    end subroutine try_steps
 
    !> Time per unit of simulated time, in units that all racers share.
-   pure real(dp) function price(one, multiple)
+   pure real(dp) function cost_of(one, multiple)
       type(contender), intent(in) :: one
       integer(i8), intent(in) :: multiple
-      price = one%ns*real(multiple, dp)
-   end function price
+      cost_of = one%ns*real(multiple, dp)
+   end function cost_of
 
-   pure real(dp) function best_price(racers)
-      type(contender), intent(in) :: racers(:)
+   pure real(dp) function lowest_cost(contenders)
+      type(contender), intent(in) :: contenders(:)
       integer :: i
-      best_price = 1e100_dp
-      do i = 1, size(racers)
-         if (racers(i)%met > 0) best_price = min(best_price, price(racers(i), racers(i)%met))
+      lowest_cost = 1e100_dp
+      do i = 1, size(contenders)
+         if (contenders(i)%met > 0) lowest_cost = min(lowest_cost, cost_of(contenders(i), &
+            contenders(i)%met))
       end do
-   end function best_price
+   end function lowest_cost
 
    !> Close in on the fewest steps of those that may still win.
-   subroutine narrow(task, racers, slack, deadline, watch)
+   subroutine narrow(task, contenders, slack, deadline, watch)
       type(problem), intent(in) :: task
-      type(contender), intent(inout) :: racers(:)
+      type(contender), intent(inout) :: contenders(:)
       real(dp), intent(in) :: slack
       real(dp), intent(in) :: deadline
       class(run_watch), intent(inout) :: watch
       integer(i8) :: multiple
-      real(dp) :: hope, least
+      real(dp) :: expected, least
       integer :: i, next, tries
-      logical :: closed(size(racers))
-      closed = racers%met == 0
-      do tries = 1, 20*size(racers)
+      logical :: closed(size(contenders))
+      closed = contenders%met == 0
+      do tries = 1, 20*size(contenders)
          next = 0
          least = huge(least)
-         do i = 1, size(racers)
+         do i = 1, size(contenders)
             if (closed(i)) cycle
-            call guess_multiple(task, racers(i), multiple)
+            call guess_multiple(task, contenders(i), multiple)
             closed(i) = multiple == 0
             if (closed(i)) cycle
-            hope = price(racers(i), max(multiple, racers(i)%failed + 1))
-            if (hope > slack*best_price(racers)) closed(i) = .true.
-            if (closed(i) .or. hope >= least) cycle
-            least = hope
+            expected = cost_of(contenders(i), max(multiple, contenders(i)%failed + 1))
+            if (expected > slack*lowest_cost(contenders)) closed(i) = .true.
+            if (closed(i) .or. expected >= least) cycle
+            least = expected
             next = i
          end do
          if (next == 0 .or. watch%stop_now()) return
-         call guess_multiple(task, racers(next), multiple)
-         if (wall_seconds() + estimate(task, racers(next), multiple) > deadline) return
-         call try_steps(task, multiple, racers(next))
+         call guess_multiple(task, contenders(next), multiple)
+         if (wall_seconds() + estimate(task, contenders(next), multiple) > deadline) return
+         call try_steps(task, multiple, contenders(next))
       end do
    end subroutine narrow
 

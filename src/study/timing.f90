@@ -5,7 +5,7 @@ module poinsot_study_timing
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_study_clock, only: processor_seconds
    use poinsot_study_members, only: member_set
-   use poinsot_study_trial, only: march
+   use poinsot_study_trial, only: integrate
    implicit none(type, external)
    private
    public :: time_steps
@@ -38,7 +38,7 @@ contains
          q = members%q
          if (compensated) carry = 0
          begun = processor_seconds()
-         call march(plan, members, h, 0_i8, steps, y, q, carry, good)
+         call integrate(plan, members, h, 0_i8, steps, y, q, carry, good)
          spent = spent + processor_seconds() - begun
          done = done + steps
          if (.not. good) exit

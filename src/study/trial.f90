@@ -15,7 +15,7 @@ module poinsot_study_trial
    use poinsot_study_members, only: member_set
    implicit none(type, external)
    private
-   public :: trial_run, make_plan, run_trial, march, member_energies, most_checks
+   public :: trial_run, make_plan, run_trial, integrate, member_energies, most_checks
 
    integer, parameter :: most_checks = 16 !! looks at the energy between start and end
 
@@ -76,7 +76,8 @@ contains
       done = 0
       do k = 1, looks
          next = k*steps/looks
-         call march(plan, members, t_end/real(steps, dp), done, next - done, run%y, run%q, carry, &
+         call integrate(plan, members, t_end/real(steps, dp), done, next - done, run%y, run%q, &
+            carry, &
             run%good)
          if (.not. run%good) exit
          done = next
@@ -98,7 +99,7 @@ contains
 
    !> Steps number first to first + steps - 1 of all systems. A carry that is not allocated: plain
    !> sums.
-   subroutine march(plan, members, h, first, steps, y, q, carry, good)
+   subroutine integrate(plan, members, h, first, steps, y, q, carry, good)
       type(poinsot_plan), intent(in) :: plan
       type(member_set), intent(in) :: members
       real(dp), intent(in) :: h
@@ -123,7 +124,7 @@ contains
          good = good .and. status == poinsot_ok .and. .not. raised(error)
          from = to + 1
       end do
-   end subroutine march
+   end subroutine integrate
 
    !> Energies of all bodies; those that see each other get their sum.
    subroutine member_energies(plan, members, t, y, q, energy, kinetic)
@@ -136,7 +137,7 @@ contains
       type(body_view) :: view
       type(poinsot_error) :: error
       integer(c_int), target :: group(size(members%group))
-      real(dp) :: moving(members%n), lying(members%n)
+      real(dp) :: of_motion(members%n), potential(members%n)
       integer :: from, to, status
       group = members%group
       from = 1
@@ -145,13 +146,13 @@ contains
          if (members%together > 1) to = from + members%together - 1
          call view_rows(y(:, from:to), q(:, from:to), view)
          view%body_class => group(from:to)
-         call body_energies(plan, view, t, moving(from:to), lying(from:to), status, error)
-         energy(from:to) = moving(from:to) + lying(from:to)
+         call body_energies(plan, view, t, of_motion(from:to), potential(from:to), status, error)
+         energy(from:to) = of_motion(from:to) + potential(from:to)
          if (members%together > 1) energy(from:to) = sum(energy(from:to))
-         if (members%together > 1) moving(from:to) = sum(moving(from:to))
+         if (members%together > 1) of_motion(from:to) = sum(of_motion(from:to))
          from = to + 1
       end do
-      if (present(kinetic)) kinetic = moving
+      if (present(kinetic)) kinetic = of_motion
    end subroutine member_energies
 
 end module poinsot_study_trial

@@ -1,18 +1,18 @@
 !> Lines for people, on a unit that the caller opened.
-module poinsot_study_tell
+module poinsot_study_write_line
    implicit none(type, external)
    private
-   public :: tell
+   public :: write_line
 
 contains
 
    !> One line; none if nobody reads the unit any more.
-   subroutine tell(unit, line)
+   subroutine write_line(unit, line)
       integer, intent(in) :: unit
       character(*), intent(in) :: line
       integer :: code
       write (unit, "(a)", iostat=code) trim(line)
       if (code /= 0) return
-   end subroutine tell
+   end subroutine write_line
 
-end module poinsot_study_tell
+end module poinsot_study_write_line

@@ -1,44 +1,44 @@
-!> A crew of MPI processes.
-module mpi_crew
+!> The ranks of an MPI run.
+module mpi_communicators
    use mpi, only: mpi_comm_world, mpi_double_precision, mpi_integer, mpi_integer8, mpi_in_place, mpi_max, &
       mpi_datatype_null, mpi_init, mpi_finalize, mpi_comm_rank, mpi_comm_size
    use poinsot_core_kinds, only: i8
-   use poinsot_scene_crew, only: run_crew, slice_of
+   use poinsot_scene_communicator, only: communicator, slice_of
    use poinsot_scene_states, only: body_states
    implicit none(type)
    private
-   public :: process_crew, join_crew, leave_crew
+   public :: mpi_communicator, start_mpi, finish_mpi
 
    !> One of MPI's processes.
-   type, extends(run_crew) :: process_crew
+   type, extends(communicator) :: mpi_communicator
    contains
-      procedure :: share
-      procedure :: worst
-      procedure :: first
-   end type process_crew
+      procedure :: allgather
+      procedure :: max_over_ranks
+      procedure :: broadcast
+   end type mpi_communicator
 
    external :: mpi_allgatherv, mpi_allreduce, mpi_bcast
 
 contains
 
    !> Start MPI.
-   subroutine join_crew(crew)
-      type(process_crew), intent(out) :: crew
+   subroutine start_mpi(ranks)
+      type(mpi_communicator), intent(out) :: ranks
       integer :: code
       call mpi_init(code)
-      call mpi_comm_rank(mpi_comm_world, crew%number, code)
-      call mpi_comm_size(mpi_comm_world, crew%size, code)
-   end subroutine join_crew
+      call mpi_comm_rank(mpi_comm_world, ranks%number, code)
+      call mpi_comm_size(mpi_comm_world, ranks%size, code)
+   end subroutine start_mpi
 
    !> End MPI.
-   subroutine leave_crew()
+   subroutine finish_mpi()
       integer :: code
       call mpi_finalize(code)
-   end subroutine leave_crew
+   end subroutine finish_mpi
 
    !> Every rank's slice to all, in place.
-   subroutine share(self, states)
-      class(process_crew), intent(inout) :: self
+   subroutine allgather(self, states)
+      class(mpi_communicator), intent(inout) :: self
       type(body_states), intent(inout) :: states
       integer :: from, to, rank, code
       integer :: counts(self%size), starts(self%size)
@@ -55,25 +55,25 @@ contains
                           mpi_double_precision, mpi_comm_world, code)
       call mpi_allgatherv(mpi_in_place, 0, mpi_datatype_null, states%status, counts, starts, mpi_integer, &
                           mpi_comm_world, code)
-   end subroutine share
+   end subroutine allgather
 
-   integer function worst(self, code)
-      class(process_crew), intent(inout) :: self
+   integer function max_over_ranks(self, code)
+      class(mpi_communicator), intent(inout) :: self
       integer, intent(in) :: code
       integer :: mine(1), all(1), ignored
       mine = code
       if (self%size > 0) call mpi_allreduce(mine, all, 1, mpi_integer, mpi_max, mpi_comm_world, ignored)
-      worst = all(1)
-   end function worst
+      max_over_ranks = all(1)
+   end function max_over_ranks
 
-   integer(i8) function first(self, number)
-      class(process_crew), intent(inout) :: self
+   integer(i8) function broadcast(self, number)
+      class(mpi_communicator), intent(inout) :: self
       integer(i8), intent(in) :: number
       integer(i8) :: told(1)
       integer :: code
       told = number
       if (self%size > 0) call mpi_bcast(told, 1, mpi_integer8, 0, mpi_comm_world, code)
-      first = told(1)
-   end function first
+      broadcast = told(1)
+   end function broadcast
 
-end module mpi_crew
+end module mpi_communicators

@@ -85,35 +85,35 @@ int poinsot_do_energy(const poinsot_plan *, const poinsot_bodies *, double, doub
 int poinsot_do_momentum(const poinsot_plan *, const poinsot_bodies *, double *);
 int poinsot_do_degrees_of_freedom(const poinsot_plan *, const poinsot_bodies *, size_t *);
 
-#define IF_FITS(call, otherwise) return processor_has_it_all() ? (call) : (otherwise)
+#define RETURN_UNLESS_SUPPORTED(call, otherwise) return processor_has_it_all() ? (call) : (otherwise)
 
 int poinsot_version(void) { return poinsot_build_version; }
 
 const char *poinsot_status_text(poinsot_status s) {
-  IF_FITS(poinsot_do_status_text(s), s == POINSOT_OK ? "ok" : "this build needs a newer processor");
+  RETURN_UNLESS_SUPPORTED(poinsot_do_status_text(s), s == POINSOT_OK ? "ok" : "this build needs a newer processor");
 }
 
-int poinsot_has_feature(const char *name) { IF_FITS(poinsot_do_has_feature(name), 0); }
+int poinsot_has_feature(const char *name) { RETURN_UNLESS_SUPPORTED(poinsot_do_has_feature(name), 0); }
 
-size_t poinsot_method_count(void) { IF_FITS(poinsot_do_method_count(), 0); }
-const char *poinsot_method_name(size_t i) { IF_FITS(poinsot_do_method_name(i), NULL); }
-size_t poinsot_splitting_count(void) { IF_FITS(poinsot_do_splitting_count(), 0); }
-const char *poinsot_splitting_name(size_t i) { IF_FITS(poinsot_do_splitting_name(i), NULL); }
+size_t poinsot_method_count(void) { RETURN_UNLESS_SUPPORTED(poinsot_do_method_count(), 0); }
+const char *poinsot_method_name(size_t i) { RETURN_UNLESS_SUPPORTED(poinsot_do_method_name(i), NULL); }
+size_t poinsot_splitting_count(void) { RETURN_UNLESS_SUPPORTED(poinsot_do_splitting_count(), 0); }
+const char *poinsot_splitting_name(size_t i) { RETURN_UNLESS_SUPPORTED(poinsot_do_splitting_name(i), NULL); }
 poinsot_status poinsot_splitting_flows(const char *name, size_t capacity, double kick[], double drift[], size_t *count) {
-  IF_FITS(poinsot_do_splitting_flows(name, capacity, kick, drift, count), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_splitting_flows(name, capacity, kick, drift, count), POINSOT_E_CPU);
 }
 
-size_t poinsot_effect_count(void) { IF_FITS(poinsot_do_effect_count(), 0); }
-const char *poinsot_effect_name(size_t i) { IF_FITS(poinsot_do_effect_name(i), NULL); }
+size_t poinsot_effect_count(void) { RETURN_UNLESS_SUPPORTED(poinsot_do_effect_count(), 0); }
+const char *poinsot_effect_name(size_t i) { RETURN_UNLESS_SUPPORTED(poinsot_do_effect_name(i), NULL); }
 
 poinsot_status poinsot_body_create(const double moments[3], poinsot_body **body) {
   if (body) *body = NULL;
-  IF_FITS(poinsot_do_body_create(moments, body), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_body_create(moments, body), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_body_create_tensor(const double inertia[9], poinsot_body **body, double axes[9]) {
   if (body) *body = NULL;
-  IF_FITS(poinsot_do_body_create_tensor(inertia, body, axes), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_body_create_tensor(inertia, body, axes), POINSOT_E_CPU);
 }
 
 void poinsot_body_destroy(poinsot_body **body) {
@@ -122,27 +122,27 @@ void poinsot_body_destroy(poinsot_body **body) {
 
 poinsot_status poinsot_rotate(const poinsot_body *body, const char *method, double h, size_t steps,
                               size_t n, double y[], double q[], poinsot_status per_body[]) {
-  IF_FITS(poinsot_do_rotate(body, method, h, steps, n, y, q, per_body), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_rotate(body, method, h, steps, n, y, q, per_body), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_jacobi(size_t n, const double u[], const double m[], const double m1[],
                               double sn[], double cn[], double dn[]) {
-  IF_FITS(poinsot_do_jacobi(n, u, m, m1, sn, cn, dn), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_jacobi(n, u, m, m1, sn, cn, dn), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_bodies_rows(poinsot_bodies *bodies, const char *layout, const char *order, size_t n,
                                    double momentum[], double attitude[]) {
-  IF_FITS(poinsot_do_bodies_rows(bodies, layout, order, n, momentum, attitude), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_bodies_rows(bodies, layout, order, n, momentum, attitude), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_bodies_arrays(poinsot_bodies *bodies, const char *layout, size_t n,
                                      double *const momentum[], double *const attitude[4]) {
-  IF_FITS(poinsot_do_bodies_arrays(bodies, layout, n, momentum, attitude), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_bodies_arrays(bodies, layout, n, momentum, attitude), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_plan_create(poinsot_plan **plan) {
   if (plan) *plan = NULL;
-  IF_FITS(poinsot_do_plan_create(plan), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_create(plan), POINSOT_E_CPU);
 }
 
 void poinsot_plan_destroy(poinsot_plan **plan) {
@@ -150,56 +150,56 @@ void poinsot_plan_destroy(poinsot_plan **plan) {
 }
 
 poinsot_status poinsot_plan_add_class(poinsot_plan *plan, const double moments[3], int *number) {
-  IF_FITS(poinsot_do_plan_add_class(plan, moments, number), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_add_class(plan, moments, number), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_plan_add_class_tensor(poinsot_plan *plan, const double inertia[9], int *number) {
-  IF_FITS(poinsot_do_plan_add_class_tensor(plan, inertia, number), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_add_class_tensor(plan, inertia, number), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_plan_set(poinsot_plan *plan, const char *option, const char *value) {
-  IF_FITS(poinsot_do_plan_set(plan, option, value), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_set(plan, option, value), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_plan_add_effect(poinsot_plan *plan, const char *name, const char *settings) {
-  IF_FITS(poinsot_do_plan_add_effect(plan, name, settings), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_add_effect(plan, name, settings), POINSOT_E_CPU);
 }
 
-poinsot_status poinsot_plan_ready(poinsot_plan *plan) { IF_FITS(poinsot_do_plan_ready(plan), POINSOT_E_CPU); }
+poinsot_status poinsot_plan_ready(poinsot_plan *plan) { RETURN_UNLESS_SUPPORTED(poinsot_do_plan_ready(plan), POINSOT_E_CPU); }
 
 size_t poinsot_plan_message(const poinsot_plan *plan, char *buffer, size_t capacity) {
   if (buffer && capacity > 0) *buffer = 0;
-  IF_FITS(poinsot_do_plan_message(plan, buffer, capacity), 0);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_message(plan, buffer, capacity), 0);
 }
 
 poinsot_status poinsot_bodies_check(const poinsot_plan *plan, const poinsot_bodies *bodies, char *buffer, size_t capacity) {
   if (buffer && capacity > 0) *buffer = 0;
-  IF_FITS(poinsot_do_bodies_check(plan, bodies, buffer, capacity), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_bodies_check(plan, bodies, buffer, capacity), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_drift(const poinsot_plan *plan, const poinsot_bodies *bodies, double h) {
-  IF_FITS(poinsot_do_drift(plan, bodies, h), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_drift(plan, bodies, h), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_kick(const poinsot_plan *plan, const poinsot_bodies *bodies, double h,
                             const double *const torque[3], ptrdiff_t stride) {
-  IF_FITS(poinsot_do_kick(plan, bodies, h, torque, stride), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_kick(plan, bodies, h, torque, stride), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_step(const poinsot_plan *plan, const poinsot_bodies *bodies, double t, double h,
                             int64_t first, int64_t steps, poinsot_torque *callback, void *context) {
-  IF_FITS(poinsot_do_step(plan, bodies, t, h, first, steps, callback, context), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_step(plan, bodies, t, h, first, steps, callback, context), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_energy(const poinsot_plan *plan, const poinsot_bodies *bodies, double t,
                               double kinetic[], double potential[]) {
-  IF_FITS(poinsot_do_energy(plan, bodies, t, kinetic, potential), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_energy(plan, bodies, t, kinetic, potential), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_momentum(const poinsot_plan *plan, const poinsot_bodies *bodies, double momentum[]) {
-  IF_FITS(poinsot_do_momentum(plan, bodies, momentum), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_momentum(plan, bodies, momentum), POINSOT_E_CPU);
 }
 
 poinsot_status poinsot_degrees_of_freedom(const poinsot_plan *plan, const poinsot_bodies *bodies, size_t *count) {
-  IF_FITS(poinsot_do_degrees_of_freedom(plan, bodies, count), POINSOT_E_CPU);
+  RETURN_UNLESS_SUPPORTED(poinsot_do_degrees_of_freedom(plan, bodies, count), POINSOT_E_CPU);
 }

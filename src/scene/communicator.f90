@@ -1,22 +1,23 @@
 !> Who else works on a run. The library knows no message passing: a program that has it extends this
-!> type (mpi/crew.f90); alone, all of it does nothing. Every rank holds the states of all bodies,
+!> type (mpi/communicator.f90); alone, all of it does nothing. Every rank holds the states of all
+!> bodies,
 !> steps a slice of its own, and has the others' before an output.
-module poinsot_scene_crew
+module poinsot_scene_communicator
    use poinsot_core_kinds, only: i8, lanes
    use poinsot_scene_states, only: body_states
    implicit none(type, external)
    private
-   public :: run_crew, slice_of
+   public :: communicator, slice_of
 
    !> One rank among `size`.
-   type :: run_crew
+   type :: communicator
       integer :: number = 0   !! this rank, from 0; 0 writes the files
       integer :: size = 1
    contains
-      procedure :: share
-      procedure :: worst
-      procedure :: first
-   end type run_crew
+      procedure :: allgather
+      procedure :: max_over_ranks
+      procedure :: broadcast
+   end type communicator
 
 contains
 
@@ -32,29 +33,29 @@ contains
    end subroutine slice_of
 
    !> Everybody gets the slices of all others: momenta, attitudes, carries and statuses.
-   subroutine share(self, states)
-      class(run_crew), intent(inout) :: self
+   subroutine allgather(self, states)
+      class(communicator), intent(inout) :: self
       type(body_states), intent(inout) :: states
       associate (unused_1 => self, unused_2 => states)
       end associate
-   end subroutine share
+   end subroutine allgather
 
    !> The largest of all ranks' codes.
-   integer function worst(self, code)
-      class(run_crew), intent(inout) :: self
+   integer function max_over_ranks(self, code)
+      class(communicator), intent(inout) :: self
       integer, intent(in) :: code
       associate (unused => self)
       end associate
-      worst = code
-   end function worst
+      max_over_ranks = code
+   end function max_over_ranks
 
    !> Rank 0's number, for what depends on a clock or a signal.
-   integer(i8) function first(self, number)
-      class(run_crew), intent(inout) :: self
+   integer(i8) function broadcast(self, number)
+      class(communicator), intent(inout) :: self
       integer(i8), intent(in) :: number
       associate (unused => self)
       end associate
-      first = number
-   end function first
+      broadcast = number
+   end function broadcast
 
-end module poinsot_scene_crew
+end module poinsot_scene_communicator

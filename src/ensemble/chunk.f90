@@ -1,23 +1,23 @@
 !> Dealing bodies out to blocks of one class, chunk by chunk. A chunk is the unit that OpenMP deals
 !> out to threads.
-module poinsot_ensemble_deal
+module poinsot_ensemble_chunk
    use poinsot_core_kinds, only: lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_ensemble_bodies, only: body_view
    implicit none(type, external)
    private
-   public :: chunk_size, chunk_count, hand, deal_chunk, next_block
+   public :: chunk_size, chunk_count, class_sorted_chunk, collect_chunk, next_block
 
    integer, parameter :: chunk_size = 8*lanes !! bodies in a chunk
 
    !> The bodies of one chunk in the order in which they go into blocks: class by class.
-   type :: hand
+   type :: class_sorted_chunk
       integer :: n                         !! bodies in it
       logical :: one_class                 !! they are all of class 1
       integer :: at(chunk_size)            !! their places in the caller's arrays
       integer :: class(chunk_size)         !! their classes
       integer :: done                      !! how many have gone into blocks
-   end type hand
+   end type class_sorted_chunk
 
 contains
 
@@ -29,11 +29,11 @@ contains
 
    !> Collect chunk number k. A body whose class does not exist is refused: POINSOT_E_DOMAIN, and
    !> left out.
-   subroutine deal_chunk(view, classes, k, h, refused)
+   subroutine collect_chunk(view, classes, k, h, refused)
       type(body_view), intent(in) :: view
       integer, intent(in) :: classes          !! how many classes there are
       integer, intent(in) :: k                !! chunk, from 1
-      type(hand), intent(inout) :: h
+      type(class_sorted_chunk), intent(inout) :: h
       logical, intent(inout) :: refused
       integer :: i, first, last, class
 
@@ -58,12 +58,12 @@ contains
             if (associated(view%status)) view%status(i) = poinsot_e_domain
          end if
       end do
-   end subroutine deal_chunk
+   end subroutine collect_chunk
 
    !> Insert a body behind the others of its class. Bodies usually come class by class already: then
    !> nothing moves.
    pure subroutine insert(h, at, class)
-      type(hand), intent(inout) :: h
+      type(class_sorted_chunk), intent(inout) :: h
       integer, intent(in) :: at, class
       integer :: j
       j = h%n
@@ -81,7 +81,7 @@ contains
    !> The next block of the chunk: up to `lanes` bodies of one class. n = 0 when there are none
    !> left.
    pure subroutine next_block(h, first, n, number)
-      type(hand), intent(inout) :: h
+      type(class_sorted_chunk), intent(inout) :: h
       integer, intent(out) :: first, n, number
       first = h%done + 1
       n = 0
@@ -101,4 +101,4 @@ contains
       h%done = h%done + n
    end subroutine next_block
 
-end module poinsot_ensemble_deal
+end module poinsot_ensemble_chunk
