@@ -1,6 +1,6 @@
 !> What processor the Fortran part of this build was compiled for, as constant data:
 !> src/api/cpu_check.c
-!> reads it before it lets anybody in.
+!> reads it before anything else runs.
 module poinsot_api_build
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: compiler_options
@@ -42,7 +42,7 @@ module poinsot_api_build
       merge(2**(i - 1), 0, (i <= level .or. index(options, "-m"//trim(features(i))//" ") > 0) &
             .and. index(options, "-mno-"//trim(features(i))//" ") == 0), i=1, size(features))])
 
-   !> The version for those whom the door does not let in.
+   !> The version, also for a processor that this build does not fit.
    integer(c_int), protected, save, &
       bind(c, name="poinsot_build_version") :: build_version = version_number
 

@@ -1,11 +1,15 @@
-/* The door: the C entry points, before the Fortran that does the work.
+/* The C entry points, before the Fortran that does the work.
  *
  * The Fortran sources are compiled for the processor of the build (-march=native), this file is not: it looks at the processor
  * before the first instruction that an older one might not know, and answers POINSOT_E_CPU instead. Fortran tells as constant
  * data what it needs (src/api/build.f90). Nothing is remembered: the look is some twenty loads, and there is no global state. */
 #include "poinsot.h"
 
+/* Hidden: a program that links the shared library sees what poinsot.h declares, and nothing that skips the check. */
+#pragma GCC visibility push(hidden)
 extern const int poinsot_build_needs, poinsot_build_version;
+int poinsot_processor_fits(void);
+#pragma GCC visibility pop
 
 /* The same order as in build.f90. */
 #define NEEDS(bit, feature) \
@@ -52,154 +56,83 @@ static void send_workers_home(void) {
 __attribute__((constructor)) static void before_fork(void) { (void)pthread_atfork(send_workers_home, NULL, NULL); }
 #endif
 
-/* What Fortran has behind each door. */
-const char *poinsot_do_status_text(int);
-int poinsot_do_has_feature(const char *);
-size_t poinsot_do_method_count(void);
-const char *poinsot_do_method_name(size_t);
-size_t poinsot_do_splitting_count(void);
-const char *poinsot_do_splitting_name(size_t);
-int poinsot_do_splitting_flows(const char *, size_t, double *, double *, size_t *);
-size_t poinsot_do_effect_count(void);
-const char *poinsot_do_effect_name(size_t);
-int poinsot_do_body_create(const double *, poinsot_body **);
-int poinsot_do_body_create_tensor(const double *, poinsot_body **, double *);
-void poinsot_do_body_destroy(poinsot_body **);
-int poinsot_do_rotate(const poinsot_body *, const char *, double, size_t, size_t, double *, double *, poinsot_status *);
-int poinsot_do_jacobi(size_t, const double *, const double *, const double *, double *, double *, double *);
-int poinsot_do_bodies_rows(poinsot_bodies *, const char *, const char *, size_t, double *, double *);
-int poinsot_do_bodies_arrays(poinsot_bodies *, const char *, size_t, double *const *, double *const *);
-int poinsot_do_plan_create(poinsot_plan **);
-void poinsot_do_plan_destroy(poinsot_plan **);
-int poinsot_do_plan_add_class(poinsot_plan *, const double *, int *);
-int poinsot_do_plan_add_class_tensor(poinsot_plan *, const double *, int *);
-int poinsot_do_plan_set(poinsot_plan *, const char *, const char *);
-int poinsot_do_plan_add_effect(poinsot_plan *, const char *, const char *);
-int poinsot_do_plan_ready(poinsot_plan *);
-size_t poinsot_do_plan_message(const poinsot_plan *, char *, size_t);
-int poinsot_do_bodies_check(const poinsot_plan *, const poinsot_bodies *, char *, size_t);
-int poinsot_do_drift(const poinsot_plan *, const poinsot_bodies *, double);
-int poinsot_do_kick(const poinsot_plan *, const poinsot_bodies *, double, const double *const *, ptrdiff_t);
-int poinsot_do_step(const poinsot_plan *, const poinsot_bodies *, double, double, int64_t, int64_t, poinsot_torque *, void *);
-int poinsot_do_energy(const poinsot_plan *, const poinsot_bodies *, double, double *, double *);
-int poinsot_do_momentum(const poinsot_plan *, const poinsot_bodies *, double *);
-int poinsot_do_degrees_of_freedom(const poinsot_plan *, const poinsot_bodies *, size_t *);
+/* A C function is one line here, one procedure in Fortran (bind(c, name="poinsot_do_...")), one declaration in poinsot.h and, for
+ * Fortran of other compilers, one interface in include/poinsot_interface.f90. The line declares what Fortran has and defines
+ * the function: `before` first, then Fortran's, or `otherwise` on a processor that it was not compiled for. */
+#define CHECKED(type, name, parameters, arguments, before, otherwise)           \
+  __attribute__((visibility("hidden"))) type poinsot_do_##name parameters;      \
+  type poinsot_##name parameters {                                              \
+    before;                                                                     \
+    return processor_has_it_all() ? poinsot_do_##name arguments : (otherwise);  \
+  }
+#define STATUS_AFTER(before, name, parameters, arguments) \
+  CHECKED(poinsot_status, name, parameters, arguments, before, POINSOT_E_CPU)
+#define STATUS(name, parameters, arguments) STATUS_AFTER((void)0, name, parameters, arguments)
+#define LIST(things)                                            \
+  CHECKED(size_t, things##_count, (void), (), (void)0, 0)       \
+  CHECKED(const char *, things##_name, (size_t i), (i), (void)0, NULL)
+/* Nothing was made that would need a newer processor to be destroyed. */
+#define DESTROY(thing, type)                                                      \
+  __attribute__((visibility("hidden"))) void poinsot_do_##thing##_destroy(type **); \
+  void poinsot_##thing##_destroy(type **it) {                                     \
+    if (it && *it) poinsot_do_##thing##_destroy(it);                              \
+  }
+#define NO_TEXT if (buffer && capacity > 0) *buffer = 0
 
-#define RETURN_UNLESS_SUPPORTED(call, otherwise) return processor_has_it_all() ? (call) : (otherwise)
+/* ---- the library -------------------------------------------------------------------------------------------------- */
 
 int poinsot_version(void) { return poinsot_build_version; }
+CHECKED(const char *, status_text, (poinsot_status status), (status), (void)0,
+        status == POINSOT_OK ? "ok" : "this build needs a newer processor")
+CHECKED(int, has_feature, (const char *name), (name), (void)0, 0)
+LIST(method)
+LIST(splitting)
+LIST(effect)
+STATUS(splitting_flows, (const char *name, size_t capacity, double kick[], double drift[], size_t *count),
+       (name, capacity, kick, drift, count))
 
-const char *poinsot_status_text(poinsot_status s) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_status_text(s), s == POINSOT_OK ? "ok" : "this build needs a newer processor");
-}
+/* ---- one kind of body ---------------------------------------------------------------------------------------------- */
 
-int poinsot_has_feature(const char *name) { RETURN_UNLESS_SUPPORTED(poinsot_do_has_feature(name), 0); }
+STATUS_AFTER(if (body) *body = NULL, body_create, (const double moments[3], poinsot_body **body), (moments, body))
+STATUS_AFTER(if (body) *body = NULL, body_create_tensor, (const double inertia[9], poinsot_body **body, double axes[9]),
+             (inertia, body, axes))
+DESTROY(body, poinsot_body)
+STATUS(rotate, (const poinsot_body *body, const char *method, double h, size_t steps, size_t n, double y[], double q[],
+                poinsot_status per_body[]),
+       (body, method, h, steps, n, y, q, per_body))
 
-size_t poinsot_method_count(void) { RETURN_UNLESS_SUPPORTED(poinsot_do_method_count(), 0); }
-const char *poinsot_method_name(size_t i) { RETURN_UNLESS_SUPPORTED(poinsot_do_method_name(i), NULL); }
-size_t poinsot_splitting_count(void) { RETURN_UNLESS_SUPPORTED(poinsot_do_splitting_count(), 0); }
-const char *poinsot_splitting_name(size_t i) { RETURN_UNLESS_SUPPORTED(poinsot_do_splitting_name(i), NULL); }
-poinsot_status poinsot_splitting_flows(const char *name, size_t capacity, double kick[], double drift[], size_t *count) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_splitting_flows(name, capacity, kick, drift, count), POINSOT_E_CPU);
-}
+/* ---- elliptic functions -------------------------------------------------------------------------------------------- */
 
-size_t poinsot_effect_count(void) { RETURN_UNLESS_SUPPORTED(poinsot_do_effect_count(), 0); }
-const char *poinsot_effect_name(size_t i) { RETURN_UNLESS_SUPPORTED(poinsot_do_effect_name(i), NULL); }
+STATUS(jacobi, (size_t n, const double u[], const double m[], const double m1[], double sn[], double cn[], double dn[]),
+       (n, u, m, m1, sn, cn, dn))
 
-poinsot_status poinsot_body_create(const double moments[3], poinsot_body **body) {
-  if (body) *body = NULL;
-  RETURN_UNLESS_SUPPORTED(poinsot_do_body_create(moments, body), POINSOT_E_CPU);
-}
+/* ---- many bodies --------------------------------------------------------------------------------------------------- */
 
-poinsot_status poinsot_body_create_tensor(const double inertia[9], poinsot_body **body, double axes[9]) {
-  if (body) *body = NULL;
-  RETURN_UNLESS_SUPPORTED(poinsot_do_body_create_tensor(inertia, body, axes), POINSOT_E_CPU);
-}
+STATUS(bodies_rows, (poinsot_bodies *bodies, const char *layout, const char *order, size_t n, double momentum[],
+                     double attitude[]),
+       (bodies, layout, order, n, momentum, attitude))
+STATUS(bodies_arrays, (poinsot_bodies *bodies, const char *layout, size_t n, double *const momentum[],
+                       double *const attitude[4]),
+       (bodies, layout, n, momentum, attitude))
+STATUS_AFTER(NO_TEXT, bodies_check, (const poinsot_plan *plan, const poinsot_bodies *bodies, char *buffer, size_t capacity),
+             (plan, bodies, buffer, capacity))
 
-void poinsot_body_destroy(poinsot_body **body) {
-  if (body && *body) poinsot_do_body_destroy(body);
-}
+STATUS_AFTER(if (plan) *plan = NULL, plan_create, (poinsot_plan **plan), (plan))
+DESTROY(plan, poinsot_plan)
+STATUS(plan_add_class, (poinsot_plan *plan, const double moments[3], int *number), (plan, moments, number))
+STATUS(plan_add_class_tensor, (poinsot_plan *plan, const double inertia[9], int *number), (plan, inertia, number))
+STATUS(plan_set, (poinsot_plan *plan, const char *option, const char *value), (plan, option, value))
+STATUS(plan_add_effect, (poinsot_plan *plan, const char *name, const char *settings), (plan, name, settings))
+STATUS(plan_ready, (poinsot_plan *plan), (plan))
+CHECKED(size_t, plan_message, (const poinsot_plan *plan, char *buffer, size_t capacity), (plan, buffer, capacity), NO_TEXT, 0)
 
-poinsot_status poinsot_rotate(const poinsot_body *body, const char *method, double h, size_t steps,
-                              size_t n, double y[], double q[], poinsot_status per_body[]) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_rotate(body, method, h, steps, n, y, q, per_body), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_jacobi(size_t n, const double u[], const double m[], const double m1[],
-                              double sn[], double cn[], double dn[]) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_jacobi(n, u, m, m1, sn, cn, dn), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_bodies_rows(poinsot_bodies *bodies, const char *layout, const char *order, size_t n,
-                                   double momentum[], double attitude[]) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_bodies_rows(bodies, layout, order, n, momentum, attitude), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_bodies_arrays(poinsot_bodies *bodies, const char *layout, size_t n,
-                                     double *const momentum[], double *const attitude[4]) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_bodies_arrays(bodies, layout, n, momentum, attitude), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_plan_create(poinsot_plan **plan) {
-  if (plan) *plan = NULL;
-  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_create(plan), POINSOT_E_CPU);
-}
-
-void poinsot_plan_destroy(poinsot_plan **plan) {
-  if (plan && *plan) poinsot_do_plan_destroy(plan);
-}
-
-poinsot_status poinsot_plan_add_class(poinsot_plan *plan, const double moments[3], int *number) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_add_class(plan, moments, number), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_plan_add_class_tensor(poinsot_plan *plan, const double inertia[9], int *number) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_add_class_tensor(plan, inertia, number), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_plan_set(poinsot_plan *plan, const char *option, const char *value) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_set(plan, option, value), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_plan_add_effect(poinsot_plan *plan, const char *name, const char *settings) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_add_effect(plan, name, settings), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_plan_ready(poinsot_plan *plan) { RETURN_UNLESS_SUPPORTED(poinsot_do_plan_ready(plan), POINSOT_E_CPU); }
-
-size_t poinsot_plan_message(const poinsot_plan *plan, char *buffer, size_t capacity) {
-  if (buffer && capacity > 0) *buffer = 0;
-  RETURN_UNLESS_SUPPORTED(poinsot_do_plan_message(plan, buffer, capacity), 0);
-}
-
-poinsot_status poinsot_bodies_check(const poinsot_plan *plan, const poinsot_bodies *bodies, char *buffer, size_t capacity) {
-  if (buffer && capacity > 0) *buffer = 0;
-  RETURN_UNLESS_SUPPORTED(poinsot_do_bodies_check(plan, bodies, buffer, capacity), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_drift(const poinsot_plan *plan, const poinsot_bodies *bodies, double h) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_drift(plan, bodies, h), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_kick(const poinsot_plan *plan, const poinsot_bodies *bodies, double h,
-                            const double *const torque[3], ptrdiff_t stride) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_kick(plan, bodies, h, torque, stride), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_step(const poinsot_plan *plan, const poinsot_bodies *bodies, double t, double h,
-                            int64_t first, int64_t steps, poinsot_torque *callback, void *context) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_step(plan, bodies, t, h, first, steps, callback, context), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_energy(const poinsot_plan *plan, const poinsot_bodies *bodies, double t,
-                              double kinetic[], double potential[]) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_energy(plan, bodies, t, kinetic, potential), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_momentum(const poinsot_plan *plan, const poinsot_bodies *bodies, double momentum[]) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_momentum(plan, bodies, momentum), POINSOT_E_CPU);
-}
-
-poinsot_status poinsot_degrees_of_freedom(const poinsot_plan *plan, const poinsot_bodies *bodies, size_t *count) {
-  RETURN_UNLESS_SUPPORTED(poinsot_do_degrees_of_freedom(plan, bodies, count), POINSOT_E_CPU);
-}
+STATUS(drift, (const poinsot_plan *plan, const poinsot_bodies *bodies, double h), (plan, bodies, h))
+STATUS(kick, (const poinsot_plan *plan, const poinsot_bodies *bodies, double h, const double *const torque[3], ptrdiff_t stride),
+       (plan, bodies, h, torque, stride))
+STATUS(step, (const poinsot_plan *plan, const poinsot_bodies *bodies, double t, double h, int64_t first, int64_t steps,
+              poinsot_torque *callback, void *context),
+       (plan, bodies, t, h, first, steps, callback, context))
+STATUS(energy, (const poinsot_plan *plan, const poinsot_bodies *bodies, double t, double kinetic[], double potential[]),
+       (plan, bodies, t, kinetic, potential))
+STATUS(momentum, (const poinsot_plan *plan, const poinsot_bodies *bodies, double momentum[]), (plan, bodies, momentum))
+STATUS(degrees_of_freedom, (const poinsot_plan *plan, const poinsot_bodies *bodies, size_t *count), (plan, bodies, count))

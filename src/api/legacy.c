@@ -1,7 +1,7 @@
 /* Entry points for Fortran with implicit interfaces: poinsot_..._f. See include/poinsot.h.
  *
- * In C and not in Fortran for the reason of cpu_check.c: nothing of a newer processor before the door has looked. All work goes
- * through the door; here arguments are dereferenced and numbers become names. */
+ * In C and not in Fortran for the reason of cpu_check.c: nothing of a newer processor before it was looked at. All work goes
+ * through poinsot.h; here arguments are dereferenced and numbers become names. */
 #include "poinsot.h"
 #include <stdio.h>
 
