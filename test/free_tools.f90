@@ -15,7 +15,7 @@ module test_free_tools
    implicit none(type, external)
    private
    public :: method_names, method_orders, approximate_count, generic, start, start_q
-   public :: turn_body, prepare, rest_block, random_block, known, text, library_map
+   public :: turn_body, prepare, rest_block, random_block, text, library_map
    public :: worst_of_kind, worst_of_hard, worst_of_map
 
    !> The approximate methods first, three-rotations and symmetric-rotation before all.
@@ -128,15 +128,6 @@ contains
       q = qd
       ok = status == poinsot_ok
    end subroutine apply_library
-
-   !> Does the library know the method?
-   logical function known(name)
-      character(*), intent(in) :: name
-      type(free_method) :: method
-      type(poinsot_error) :: error
-      call find_method(trim(name), method, error)
-      known = .not. raised(error)
-   end function known
 
    !> A number for a message.
    function text(x) result(string)

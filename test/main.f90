@@ -1,4 +1,5 @@
-!> Runs the test suites:  check [--deep] [SUITE [TEST]]     (--deep: the long suites too)
+!> Runs the test suites:  check [--without SUITE] [--deep] [SUITE [TEST]]
+!> --deep: the long suites too; --without: all but one, unless it is named.
 !> The last line is "N passed, M failed"; the exit code is non-zero if a test failed or none ran.
 program check_poinsot
    use, intrinsic :: iso_fortran_env, only: output_unit
@@ -27,7 +28,7 @@ program check_poinsot
    implicit none(type, external)
 
    type(testsuite_type), allocatable :: suites(:)
-   character(:), allocatable :: suite, test
+   character(:), allocatable :: suite, test, without
    integer :: i, first, run, failed, skipped
 
    suites = [ &
@@ -50,10 +51,20 @@ program check_poinsot
       new_testsuite("hard", collect_hard), &
       new_testsuite("long", collect_long)]
    first = 1
+   without = ""
+   call get_argument(first, suite)
+   if (allocated(suite)) then
+      if (suite == "--without") then
+         call get_argument(first + 1, without)
+         if (.not. allocated(without)) error stop "--without which suite?"
+         if (select_suite(suites, without) == 0) error stop "--without a suite that is not there"
+         first = first + 2
+      end if
+   end if
    call get_argument(first, suite)
    if (allocated(suite)) then
       if (suite == "--deep") then
-         first = 2
+         first = first + 1
          suites = [suites, deep_suites()]
       end if
    end if
@@ -65,7 +76,7 @@ program check_poinsot
    call get_argument(first + 1, test)
    if (.not. allocated(suite)) then
       do i = 1, size(suites)
-         call run_suite(suites(i))
+         if (suites(i)%name /= without) call run_suite(suites(i))
       end do
    else
       i = select_suite(suites, suite)

@@ -1,6 +1,6 @@
 !> Room free, judged by data, by the quadruple-precision Taylor series and by the reference maps.
 module test_free
-   use testdrive, only: new_unittest, unittest_type, error_type, check, skip_test
+   use testdrive, only: new_unittest, unittest_type, error_type, check
    use poinsot_core_kinds, only: dp, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method
@@ -9,7 +9,7 @@ module test_free
       random_quaternion
    use test_free_state, only: collect_free_state
    use test_free_tools, only: method_names, method_orders, approximate_count, generic, start, &
-      start_q, turn_body, known, text, library_map, worst_of_kind, worst_of_hard, worst_of_map
+      start_q, turn_body, text, library_map, worst_of_kind, worst_of_hard, worst_of_map
    use test_measure, only: measure_slope, attitude_distance, momentum_distance, units
    use test_oracle_data, only: free_case, read_free_rotation, published, published_1, &
       published_2a, published_2b, published_4_y
@@ -277,10 +277,6 @@ contains
 
    subroutine test_data_jacobi(error)
       type(error_type), allocatable, intent(out) :: error
-      if (.not. known("jacobi")) then
-         call skip_test(error, "jacobi is not there yet")
-         return
-      end if
       call judge_kinds(error, "jacobi", [character(12) :: "generic", "nearsym", "flat", &
          "nearlinear", "linear", &
          "sphere", "separatrix", "axis", "rest", "long", "middle", "scaleI"], 5.0_dp)
@@ -323,10 +319,6 @@ contains
 
    subroutine test_hard_jacobi(error)
       type(error_type), allocatable, intent(out) :: error
-      if (.not. known("jacobi")) then
-         call skip_test(error, "jacobi is not there yet")
-         return
-      end if
       call judge_hard(error, "jacobi", 20.0_dp, 8.0_dp)
    end subroutine test_hard_jacobi
 

@@ -13,7 +13,7 @@ module test_free_state
    use test_bodies, only: random_body, random_stream, start_stream, hard_body, &
       body_kinds, permute_body
    use test_free_tools, only: method_names, approximate_count, generic, start, start_q, turn_body, &
-      prepare, rest_block, random_block, known, text
+      prepare, rest_block, random_block, text
    use test_measure, only: attitude_distance, momentum_distance
    use test_oracle_dmv, only: reference_map, make_reference
    use test_oracle_taylor, only: taylor_report, taylor_flow, free_problem
@@ -138,7 +138,6 @@ contains
       real(dp) :: y(3), q(4), z(3), r(4)
       integer :: i, k, status(2)
       do i = 1, size(method_names)
-         if (.not. known(method_names(i))) cycle
          stream = start_stream(29)
          do k = 1, 24
             call hard_body(stream, merge("generic     ", "flat        ", k > 8), 0.9_dp, body)
@@ -175,7 +174,6 @@ contains
       type(poinsot_error) :: answer
       integer :: i, k, l, status(lanes), alone
       do i = 1, size(method_names)
-         if (.not. known(method_names(i))) cycle
          call prepare(method_names(i), generic, method, class, answer)
          if (raised(answer)) cycle
          stream = start_stream(31)
@@ -245,7 +243,6 @@ contains
       real(dp) :: y(3), q(4), z(3), r(4)
       integer :: i, k, status
       do i = 1, size(method_names)
-         if (.not. known(method_names(i))) cycle
          y = start
          q = [0.1_dp, 0.7_dp, -0.5_dp, 0.5_dp]
          z = y
@@ -342,7 +339,6 @@ contains
       logical :: halting(3), flags(3), kept
       integer :: i, k, status
       do i = 1, size(method_names)
-         if (.not. known(method_names(i))) cycle
          do k = 1, size(steps)
             y = start
             q = start_q
@@ -446,7 +442,6 @@ contains
       logical :: halting(3), flags(3)
       integer :: i, k, status
       do i = 1, size(method_names)
-         if (.not. known(method_names(i))) cycle
          stream = start_stream(43)
          do k = 1, 10*size(body_kinds)
             call hard_body(stream, body_kinds(1 + mod(k, size(body_kinds))), merge(1.4_dp, &
