@@ -5,7 +5,10 @@
 !>     type(poinsot_error) :: error
 !>     call poinsot_body_create([0.6d0, 0.8d0, 1.0d0], body, error)
 !>     call poinsot_rotate(body, "exact", 0.01d0, 1000, y, q, error)      ! y(3, n), q(4, n)
-!>     if (raised(error)) print *, error%message
+!>     if (error%raised()) print *, error%message
+!>
+!> Reals are double precision, `kind(1d0)`; all names begin with `poinsot`. Quaternions, conversions
+!> and inertia: `use poinsot_rotation`; elliptic functions: `use poinsot_elliptic`.
 !>
 !> Frames, units and rules are those of the header, but for: classes count from 1; a view is filled
 !> by poinsot_bodies_rows or _arrays, and its components body_class, id, carry and status are
@@ -15,7 +18,7 @@ module poinsot
    use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_body_class, only: poinsot_body => body_class, make_class
    use poinsot_body_inertia, only: principal_axes
-   use poinsot_core_error, only: poinsot_error, raise, raised, clear
+   use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_size, &
       poinsot_e_domain, poinsot_e_method, poinsot_e_step, poinsot_e_convergence, poinsot_e_memory, &
@@ -24,7 +27,7 @@ module poinsot
    use poinsot_core_version, only: poinsot_version => version_number
    use poinsot_effect_callback, only: poinsot_user_torque => user_torque, &
       poinsot_user_potential => user_potential
-   use poinsot_effect_effect, only: effect
+   use poinsot_effect_effect, only: poinsot_effect => effect
    use poinsot_effect_registry, only: poinsot_effect_count => effect_count, &
       poinsot_effect_name => effect_name
    use poinsot_effect_settings, only: setting
@@ -44,7 +47,7 @@ module poinsot
       poinsot_splitting_name => splitting_name, poinsot_splitting_flows => splitting_flows
    implicit none(type, external)
    private
-   public :: dp, i8, poinsot_error, raised, clear
+   public :: poinsot_error
    public :: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method, &
       poinsot_e_step
    public :: poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, &
@@ -61,7 +64,7 @@ module poinsot
    public :: poinsot_bodies, poinsot_bodies_rows, poinsot_bodies_arrays
    public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, &
       poinsot_degrees_of_freedom
-   public :: poinsot_torque, poinsot_user_torque, poinsot_user_potential
+   public :: poinsot_torque, poinsot_effect, poinsot_user_torque, poinsot_user_potential
 
    interface
       !> 1 if this processor is one that the library was compiled for (src/api/cpu_check.c).
@@ -248,11 +251,11 @@ contains
       if (.not. raised(error)) call add_effect(plan, name, list, error)
    end subroutine add_named_effect
 
-   !> Add an effect of an own type, an extension of poinsot_user_torque or poinsot_user_potential.
-   !> It moves into the plan.
+   !> Add an effect of an own type, an extension of poinsot_user_torque or poinsot_user_potential in a
+   !> variable `class(poinsot_effect), allocatable`. It moves into the plan.
    subroutine add_own_effect(plan, own, error)
       type(poinsot_plan), intent(inout) :: plan
-      class(effect), allocatable, intent(inout) :: own
+      class(poinsot_effect), allocatable, intent(inout) :: own
       type(poinsot_error), intent(inout) :: error
       if (admitted(error)) call add_ready_effect(plan, own, error)
    end subroutine add_own_effect

@@ -7,16 +7,20 @@ module poinsot_core_error
    public :: poinsot_error, clear, raise, raised
 
    !> An error, or none (`code == poinsot_ok`). Comes back through an argument that is not optional.
+   !> Who sees the type has `error%raised()` and `call error%clear()` too.
    type :: poinsot_error
       integer :: code = poinsot_ok
       character(:), allocatable :: message
+   contains
+      procedure :: clear
+      procedure :: raised
    end type poinsot_error
 
 contains
 
    !> Forget an earlier error.
    pure subroutine clear(error)
-      type(poinsot_error), intent(inout) :: error
+      class(poinsot_error), intent(inout) :: error
       error%code = poinsot_ok
       if (allocated(error%message)) deallocate (error%message)
    end subroutine clear
@@ -36,7 +40,7 @@ contains
 
    !> Has an error been recorded?
    pure logical function raised(error)
-      type(poinsot_error), intent(in) :: error
+      class(poinsot_error), intent(in) :: error
       raised = error%code /= poinsot_ok
    end function raised
 
