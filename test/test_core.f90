@@ -5,6 +5,7 @@ module test_core
    use poinsot_core_kinds, only: dp, qp, i4, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_cpu, status_text
    use poinsot_core_error, only: poinsot_error, clear, raise, raised
+   use poinsot_core_decimal, only: append_number, append_integer, longest_number
    use poinsot_core_version, only: version_number, version_text
    implicit none(type, external)
    private
@@ -20,7 +21,9 @@ contains
          new_unittest("unknown-status", test_unknown_status), &
          new_unittest("error-life", test_error_life), &
          new_unittest("version-number-and-text", test_version), &
-         new_unittest("version-in-manifest", test_manifest)]
+         new_unittest("version-in-manifest", test_manifest), &
+         new_unittest("numbers-as-text", test_numbers), &
+         new_unittest("whole-numbers-as-text", test_whole_numbers)]
    end subroutine collect_core
 
    subroutine test_kinds(error)
@@ -103,5 +106,89 @@ contains
       if (allocated(error)) return
       call check(error, trim(line), 'version = "'//version_text//'"')
    end subroutine test_manifest
+
+   !> The characters of the run-time library, for doubles of all sizes, ties and ends of the range.
+   subroutine test_numbers(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer(i8) :: bits
+      real(dp) :: x
+      character(8) :: power
+      integer :: k
+      call same_text(error, 0.0_dp)
+      call same_text(error, -0.0_dp)
+      call same_text(error, huge(x))
+      call same_text(error, -tiny(x))
+      do k = -1074, 1023 ! 2^-25 has 18 digits, the last a 5: a tie
+         call same_text(error, scale(1.0_dp, k))
+         call same_text(error, scale(-3.0_dp, min(k, 1020)))
+      end do
+      do k = -307, 307 ! beside the powers of ten the first digit changes
+         write (power, "('1e', i0)") k
+         read (power, *) x
+         call same_text(error, x)
+         call same_text(error, nearest(x, 1.0_dp))
+         call same_text(error, nearest(x, -1.0_dp))
+      end do
+      bits = 88172645463325252_i8
+      do k = 1, 20000 ! xorshift
+         bits = ieor(bits, ishft(bits, 13))
+         bits = ieor(bits, ishft(bits, -7))
+         bits = ieor(bits, ishft(bits, 17))
+         if (iand(shiftr(bits, 52), 2047_i8) == 2047) cycle
+         call same_text(error, transfer(bits, x))
+         call same_text(error, real(mod(bits, 10000000_i8), dp)/1000)
+      end do
+      bits = 9218868437227405312_i8
+      call expect_text(error, transfer(bits, x), "Infinity")
+      call expect_text(error, transfer(bits + 1, x), "NaN")
+   end subroutine test_numbers
+
+   subroutine same_text(error, x)
+      type(error_type), allocatable, intent(inout) :: error
+      real(dp), intent(in) :: x
+      character(32) :: buffer, want
+      integer :: mark, digits
+      if (allocated(error)) return
+      write (buffer, "(es32.16e3)") x
+      buffer = adjustl(buffer)
+      mark = index(buffer, "E")
+      digits = mark - 1
+      do while (buffer(digits:digits) == "0" .and. buffer(digits - 1:digits - 1) /= ".")
+         digits = digits - 1
+      end do
+      want = buffer(:digits)//buffer(mark:)
+      call expect_text(error, x, trim(want))
+   end subroutine same_text
+
+   subroutine expect_text(error, x, want)
+      type(error_type), allocatable, intent(inout) :: error
+      real(dp), intent(in) :: x
+      character(*), intent(in) :: want
+      character(2 + longest_number) :: text
+      integer :: n
+      if (allocated(error)) return
+      text = "x="
+      n = 2
+      call append_number(x, text, n)
+      call check(error, text(:n), "x="//want)
+   end subroutine expect_text
+
+   subroutine test_whole_numbers(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer(i8) :: number
+      character(24) :: want
+      character(1 + longest_number) :: text
+      integer :: k, n
+      number = -huge(number) - 1
+      do k = 1, 80
+         text = "#"
+         n = 1
+         call append_integer(number, text, n)
+         write (want, "('#', i0)") number
+         call check(error, text(:n), trim(want))
+         if (allocated(error)) return
+         number = number/3 + merge(huge(number), 0_i8, k == 41)
+      end do
+   end subroutine test_whole_numbers
 
 end module test_core

@@ -16,7 +16,7 @@ module test_scene
    use poinsot_scene_run, only: run_scene, check_scene
    use poinsot_scene_restart, only: restart_state, read_restart
    use poinsot_scene_summary, only: run_report
-   use poinsot_scene_trajectory, only: csv_row
+   use poinsot_scene_trajectory, only: csv_row, longest_row
    use poinsot_scene_watch, only: run_watch
    implicit none(type, external)
    private
@@ -448,9 +448,12 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: y(3) = [-0.8_dp, 1/3.0_dp, 1e-46_dp], q(4) = [1.0_dp, 0.0_dp, &
          -1e150_dp, 0.1_dp]
+      character(longest_row) :: room
       character(:), allocatable :: row
       real(dp) :: back(12)
-      row = csv_row("0.1", 7_i8, y, q, 2.5_dp, -0.5_dp)
+      integer :: n
+      call csv_row("0.1", 7_i8, y, q, 2.5_dp, -0.5_dp, room, n)
+      row = room(:n)
       read (row, *) back
       call check(error, all(abs(back - [0.1_dp, 7.0_dp, q, y, 2.5_dp, -0.5_dp, 2.0_dp]) <= 0), row)
       if (allocated(error)) return

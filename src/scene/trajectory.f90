@@ -3,15 +3,17 @@
 module poinsot_scene_trajectory
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_decimal, only: append_number, append_integer, longest_number
    use poinsot_scene_text, only: text_of
    use poinsot_scene_files, only: out_file, open_out, put, flush_out, finish_out
    implicit none(type, external)
    private
-   public :: csv_header, csv_row, open_csv, write_csv
+   public :: csv_header, csv_row, longest_row, open_csv, write_csv
    public :: open_xyz, write_xyz, semi_axes
 
    character(*), parameter :: csv_header = &
       "t,body,q0,q1,q2,q3,y1,y2,y3,kinetic,potential,energy" !! the columns of trajectory.csv
+   integer, parameter :: longest_row = 17*(longest_number + 1) !! characters
 
 contains
 
@@ -35,47 +37,45 @@ contains
       real(dp), intent(in) :: potential(:)    !! (n)
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: time
-      integer :: i
+      character(longest_row) :: row
+      integer :: i, n
       time = text_of(t)
       do i = 1, size(bodies)
-         call put(file, csv_row(time, bodies(i), y(:, i), q(:, i), kinetic(i), potential(i)), error)
+         call csv_row(time, bodies(i), y(:, i), q(:, i), kinetic(i), potential(i), row, n)
+         call put(file, row(:n), error)
          if (raised(error)) return
       end do
       call flush_out(file, error)
    end subroutine write_csv
 
-   !> One row: 17 significant digits, so that every double reads back to its bits.
-   pure function csv_row(time, body, y, q, kinetic, potential) result(row)
-      character(*), intent(in) :: time        !! as text
+   !> One row.
+   pure subroutine csv_row(time, body, y, q, kinetic, potential, row, n)
+      character(*), intent(in) :: time               !! as text
       integer(i8), intent(in) :: body
       real(dp), intent(in) :: y(3), q(4), kinetic, potential
-      character(:), allocatable :: row
-      character(260) :: numbers
-      character(24) :: number
-      write (numbers, "(10(',', es24.16e3))") q, y, kinetic, potential, kinetic + potential
-      write (number, "(i0)") body
-      row = time // "," // trim(number) // squeezed(trim(numbers))
-   end function csv_row
+      character(longest_row), intent(inout) :: row
+      integer, intent(out) :: n                      !! characters in it
+      n = len(time) + 1
+      row(:n) = time // ","
+      call append_integer(body, row, n)
+      call append_all(",", q, row, n)
+      call append_all(",", y, row, n)
+      call append_all(",", [kinetic, potential, kinetic + potential], row, n)
+   end subroutine csv_row
 
-   !> Without blanks, and with 1.5E+000 for 1.5000000000000000E+000: zeros at the end say nothing.
-   pure function squeezed(text) result(short)
-      character(*), intent(in) :: text
-      character(:), allocatable :: short
-      character(len(text)) :: room
-      integer :: i, n
-      n = 0
-      do i = 1, len(text)
-         if (text(i:i) == " ") cycle
-         if (text(i:i) == "E") then
-            do while (room(n:n) == "0" .and. room(n - 1:n - 1) /= ".")
-               n = n - 1
-            end do
-         end if
+   !> A separator and a number, each in 17 significant digits, so that it reads back to its bits.
+   pure subroutine append_all(separator, numbers, row, n)
+      character, intent(in) :: separator
+      real(dp), intent(in) :: numbers(:)
+      character(*), intent(inout) :: row
+      integer, intent(inout) :: n
+      integer :: j
+      do j = 1, size(numbers)
          n = n + 1
-         room(n:n) = text(i:i)
+         row(n:n) = separator
+         call append_number(numbers(j), row, n)
       end do
-      short = room(:n)
-   end function squeezed
+   end subroutine append_all
 
    !> Begin trajectory.xyz.
    subroutine open_xyz(path, file, error)
@@ -97,16 +97,22 @@ contains
       real(dp), intent(in) :: q(:, :)         !! (4, n): attitudes of the axes of `shape`
       real(dp), intent(in) :: energy(:)       !! (n)
       type(poinsot_error), intent(inout) :: error
-      character(400) :: numbers
-      integer :: i
+      character(longest_row) :: row
+      integer :: i, n
       call put(file, text_of(size(bodies)), error)
       call put(file, &
          "Properties=id:I:1:species:S:1:pos:R:3:orientation:R:4:aspherical_shape:R:3" // &
                ":angular_momentum:R:3:energy:R:1 Time=" // text_of(t) // " pbc=""F F F""", error)
       do i = 1, size(bodies)
-         write (numbers, "(14(1x, es24.16e3))") position(:, i), q(2:4, i), q(1, i), shape(:, i), &
-            y(:, i), energy(i)
-         call put(file, text_of(bodies(i)) // " B" // trim(numbers), error)
+         n = 0
+         call append_integer(bodies(i), row, n)
+         row(n + 1:n + 2) = " B"
+         n = n + 2
+         call append_all(" ", position(:, i), row, n)
+         call append_all(" ", [q(2:4, i), q(1, i)], row, n)
+         call append_all(" ", shape(:, i), row, n)
+         call append_all(" ", [y(:, i), energy(i)], row, n)
+         call put(file, row(:n), error)
          if (raised(error)) return
       end do
       call flush_out(file, error)
