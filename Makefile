@@ -6,7 +6,8 @@
 #            EXTRA_FLAGS    added to the compiler's flags
 #            SUITE          of make test: the suite, or suite and test, to run
 #            PICTURES=no    of make demo: without gnuplot
-#            PREFIX         of make install and uninstall: where to (/usr/local); DESTDIR in front of it
+#            PREFIX         of make install and uninstall: where to (/usr/local); DESTDIR in front of it; LIBDIR (lib) and
+#                           MODDIR, of .mod files (include/poinsot), under PREFIX or absolute
 
 ifeq ($(origin FC),default)
 FC := gfortran
@@ -14,6 +15,7 @@ endif
 PREFIX ?= /usr/local
 DESTDIR ?=
 LIBDIR ?= lib
+MODDIR ?= include/poinsot
 SUITE ?=
 MPI ?=
 export FC PORTABLE EXTRA_FLAGS PICTURES
@@ -64,10 +66,10 @@ docs: setup ## reference by FORD (into build/docs)
 	@tools/docs.sh
 
 install: build ## install under PREFIX (and DESTDIR)
-	@tools/install.sh install "$(PREFIX)" "$(DESTDIR)" "$(LIBDIR)"
+	@tools/install.sh install "$(PREFIX)" "$(DESTDIR)" "$(LIBDIR)" "$(MODDIR)"
 
 uninstall: ## remove what install put under PREFIX
-	@tools/install.sh uninstall "$(PREFIX)" "$(DESTDIR)" "$(LIBDIR)"
+	@tools/install.sh uninstall "$(PREFIX)" "$(DESTDIR)" "$(LIBDIR)" "$(MODDIR)"
 
 clean: ## remove what was built; tools and dependencies stay
 	@find build -mindepth 1 -maxdepth 1 ! -name tools ! -name dependencies -exec rm -rf {} + 2>/dev/null; true

@@ -10,6 +10,7 @@ prefix="$work/a prefix"
 FC=${FC:-gfortran} CC=${CC:-cc} PYTHON=${PYTHON:-python3}
 export FC
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' fpm.toml)
+series=${version%.*}
 header=include/poinsot.h
 passed=0 failed=0 skipped=0
 
@@ -50,7 +51,7 @@ static_c() {
 }
 cpp() { eval "c++ -std=c++11 -Wall -Wextra -Werror -fsyntax-only -x c++ $(config --cflags) $header"; }
 fortran() {
-   eval "$FC test/consumer/consumer.f90 -o build/installed/build/fortran $(config --cflags --libs)" &&
+   eval "$FC -J build/installed/build test/consumer/consumer.f90 -o build/installed/build/fortran $(config --cflags --libs)" &&
       LD_LIBRARY_PATH=$prefix/lib build/installed/build/fortran
 }
 cmake_c() {
@@ -113,8 +114,8 @@ native_build() { LD_LIBRARY_PATH=$prefix/lib "$PYTHON" -c "
 import ctypes, sys
 sys.exit(not ctypes.CDLL('$prefix/lib/libpoinsot.so').poinsot_has_feature(b'avx2'))"; }
 files() {
-   for it in lib/libpoinsot.a lib/libpoinsot.so lib/libpoinsot.so.0 lib/libpoinsot.so.$version lib/pkgconfig/poinsot.pc \
-      lib/cmake/poinsot/poinsotConfig.cmake include/poinsot/poinsot_core_version.mod share/poinsot/installed.txt; do
+   for it in lib/libpoinsot.a lib/libpoinsot.so lib/libpoinsot.so.$series lib/libpoinsot.so.$version lib/pkgconfig/poinsot.pc \
+      lib/cmake/poinsot/poinsotConfig.cmake include/poinsot/poinsot.mod include/poinsot_cdef.h share/poinsot/installed.txt; do
       [ -e "$prefix/$it" ] || { echo "$it is not there"; return 1; }
    done
    if nm "$prefix/lib/libpoinsot.a" | grep -q testdrive; then echo "test-drive is in the library"; return 1; fi
@@ -134,6 +135,23 @@ study_pictures() {
       done
    done
 }
+exports() { test/exports.sh "$prefix/lib/libpoinsot.so" "$prefix/lib/libpoinsot.a"; }
+# Enough threads of OpenMP that are still there when the library is closed.
+unload() {
+   "$CC" -std=c99 -D_POSIX_C_SOURCE=200809L test/consumer/unload.c -o build/installed/build/unload -ldl &&
+      OMP_NUM_THREADS=3 build/installed/build/unload "$prefix/lib/libpoinsot.so"
+}
+no_component() { ! cmake -S test/consumer -B build/installed/nonsense -DCMAKE_PREFIX_PATH="$prefix" -DWITH=nonsense; }
+# Another place for libraries and modules, in another prefix; with what was installed by an earlier series.
+elsewhere() {
+   other=$work/other
+   tools/install.sh install "$other" "" "$other/lib64/deep" "$work/mods" && ls "$other/lib64/deep/libpoinsot.so" "$work/mods/poinsot.mod" &&
+      touch "$other/lib64/deep/libpoinsot.so.0.0" && echo lib64/deep/libpoinsot.so.0.0 >>"$other/share/poinsot/installed.txt" &&
+      eval "$FC -fsyntax-only test/consumer/consumer.f90 -J build/installed/build \
+         $(PKG_CONFIG_PATH=$other/lib64/deep/pkgconfig pkg-config --cflags poinsot)" &&
+      tools/install.sh install "$other" "" lib64/deep "$work/mods" && ls "$other/lib64/deep/libpoinsot.so.0.0" &&
+      tools/install.sh uninstall "$other" && [ -z "$(find "$other" -mindepth 1)" ] && [ ! -e "$work/mods" ]
+}
 nothing_left() { [ "$(cd "$prefix" && find . | sort | tr '\n' ' ')" = ". ./stranger " ] || { find "$prefix"; return 1; }; }
 
 expect "install" tools/install.sh install "$prefix"
@@ -145,6 +163,12 @@ if have "$PYTHON" && [ "$(uname)" != Darwin ]; then
    expect "dlopen" "$PYTHON" test/consumer/load.py "$prefix/lib/libpoinsot.so" $have_api
 else
    skip "dlopen" "no $PYTHON"
+fi
+if [ "$(uname)" = Linux ] && have nm; then
+   expect "exports" exports
+   expect "unload" unload
+else
+   skip "exports" "for Linux, with nm"
 fi
 [ -z "$have_api" ] || expect "c-by-hand" by_hand
 if have pkg-config; then
@@ -190,7 +214,7 @@ else
 fi
 [ "$(uname)" != Linux ] || expect "fork" env OMP_NUM_THREADS=2 "$PYTHON" test/consumer/fork.py "$prefix/lib/libpoinsot.so"
 if [ -n "$have_api" ]; then
-   if have cmake; then expect "c-by-cmake" cmake_c; else skip "c-by-cmake" "no cmake"; fi
+   if have cmake; then expect "c-by-cmake" cmake_c; expect "no-such-component" no_component; else skip "c-by-cmake" "no cmake"; fi
 fi
 [ ! -x "$prefix/bin/poinsot" ] || expect "app" app
 [ ! -x "$prefix/bin/poinsot" ] || [ "$(uname)" != Linux ] || expect "no-memory-app" no_memory_app
@@ -199,6 +223,7 @@ if [ -x "$prefix/bin/poinsot" ] && have gnuplot; then
 else
    skip "study-pictures" "no gnuplot"
 fi
+! have pkg-config || expect "elsewhere" elsewhere
 expect "uninstall" tools/install.sh uninstall "$prefix"
 expect "nothing-left" nothing_left
 

@@ -20,11 +20,12 @@ accepted() {
 case ${1:-} in
 release)
    # No -ffast-math: it deletes compensated sums and tests for NaN. Position-independent code, because the same objects make the
-   # shared library; without interposition the compiler may still inline.
+   # shared library; without interposition the compiler may still inline; what nobody calls, the linker leaves out of it by
+   # sections.
    native=-march=native
    [ "${PORTABLE:-0}" = 1 ] && native=
    printf '%s ' -O3
-   accepted $native -mprefer-vector-width=512 -fopenmp -fPIC -fno-semantic-interposition
+   accepted $native -mprefer-vector-width=512 -fopenmp -fPIC -fno-semantic-interposition -ffunction-sections -fdata-sections
    ;;
 checking)
    printf '%s ' -Og -g

@@ -1,18 +1,21 @@
 #!/bin/sh
 # Install what `make build` left in build/stage, or remove exactly what was installed.
 #
-# usage: tools/install.sh install | uninstall PREFIX [DESTDIR [LIBDIR]]
+# usage: tools/install.sh install | uninstall PREFIX [DESTDIR [LIBDIR [MODDIR]]]
 #
-# A list of what was installed goes into PREFIX/share/poinsot/installed.txt; uninstall, and installing anew, removes what stands
-# there. The files can be moved together: nothing in them names PREFIX.
+# LIBDIR (lib) and MODDIR, of .mod files (include/poinsot), are under PREFIX, or absolute paths. A list of what was installed goes
+# into PREFIX/share/poinsot/installed.txt; uninstall, and installing anew, removes what stands there; but the shared library of
+# another series stays when a new one comes, for the programs that use it. The files can be moved together: nothing in them names
+# PREFIX, unless LIBDIR or MODDIR lie outside of it. CMake installs the same: tools/install/rules.cmake.
 
 set -eu
 cd "$(dirname "$0")/.."
 action=${1:?install or uninstall} prefix=${2:?PREFIX}
-destdir=${3:-} libdir=${4:-lib}
+destdir=${3:-} libdir=${4:-lib} moddir=${5:-include/poinsot}
 stop() { echo "install: $*" >&2; exit 1; }
 case $prefix in /*) ;; *) prefix=$PWD/$prefix ;; esac
 root=$destdir$prefix
+libdir=${libdir#"$prefix"/} moddir=${moddir#"$prefix"/}
 list=share/poinsot/installed.txt
 stage=build/stage
 FC=${FC:-gfortran}
@@ -22,72 +25,96 @@ uninstall() {
    sed '1!G;h;$!d' "$root/$list" >"$scratch/removal"
    while IFS= read -r it; do
       case $it in
-      */) rmdir "$root/$it" 2>/dev/null || true ;;
-      *) rm -f "$root/$it" ;;
+      */) rmdir "$(place "$it")" 2>/dev/null || true ;;
+      *) rm -f "$(place "$it")" ;;
       esac
    done <"$scratch/removal"
 }
 
-# Make a folder under PREFIX; those that were not there before go into the list.
+# Where a path of the list is: under PREFIX, or absolute; both under DESTDIR.
+place() { case $1 in /*) echo "$destdir$1" ;; *) echo "$root/$1" ;; esac; }
+
+# Make a folder; those that were not there before go into the list.
 folder() {
-   [ ! -d "$root/$1" ] || return 0
-   case $1 in */*) folder "${1%/*}" ;; esac
-   mkdir "$root/$1"
+   [ ! -d "$(place "$1")" ] || return 0
+   case ${1#/} in */*) folder "${1%/*}" ;; esac
+   mkdir "$(place "$1")"
    echo "$1/" >>"$scratch/list"
 }
 
 # put MODE SOURCE TARGET: one file to PREFIX/TARGET, and into the list.
 put() {
    folder "${3%/*}"
-   rm -f "$root/$3"
-   cp "$2" "$root/$3"
-   chmod "$1" "$root/$3"
+   rm -f "$(place "$3")"
+   cp "$2" "$(place "$3")"
+   chmod "$1" "$(place "$3")"
    echo "$3" >>"$scratch/list"
 }
 
 # link_to WHAT TARGET: a symbolic link.
 link_to() {
-   rm -f "$root/$2"
-   ln -s "$1" "$root/$2"
+   rm -f "$(place "$2")"
+   ln -s "$1" "$(place "$2")"
    echo "$2" >>"$scratch/list"
 }
 
+# from VARIABLE FOLDER: a folder of the installation, from the prefix unless it is absolute.
+from() { case $2 in /*) echo "$2" ;; *) echo "\${$1}/$2" ;; esac; }
+
 # filled TEMPLATE: the template with its @NAMES@ replaced.
 filled() {
-   up=$(echo "$libdir" | sed 's,[^/][^/]*,..,g')
-   sed "s|@LIBDIR@|$libdir|g; s|@VERSION@|$version|g; s|@PRIVATE@|$private|g; s|@SHARED@|$shared|g; s|@SONAME@|$soname|g
+   case $libdir in
+   /*) pc_prefix=$prefix cmake_prefix=$prefix ;;
+   *) up=$(echo "$libdir" | sed 's,[^/][^/]*,..,g')
+      pc_prefix="\${pcfiledir}/../$up" cmake_prefix="\${CMAKE_CURRENT_LIST_DIR}/../../$up" ;;
+   esac
+   sed "s|@PC_PREFIX@|$pc_prefix|g; s|@CMAKE_PREFIX@|$cmake_prefix|g
+        s|@PC_INCLUDE@|$(from prefix include)|g; s|@CMAKE_INCLUDE@|$(from _poinsot_prefix include)|g
+        s|@PC_MODULES@|$(from prefix "$moddir")|g; s|@CMAKE_MODULES@|$(from _poinsot_prefix "$moddir")|g
+        s|@VERSION@|$version|g; s|@PRIVATE@|$private|g; s|@SHARED@|$shared|g; s|@SONAME@|$soname|g
         s|@PRIVATE_LIST@|$(echo $private | tr ' ' ';')|g; s|@SERIES@|${version%.*}|g; s|@MAJOR@|${version%%.*}|g
-        s|@POINTER@|$(($(getconf LONG_BIT) / 8))|g; s|@UP@|$up|g" "tools/install/$1.in" >"$scratch/$1"
+        s|@POINTER@|$(($(getconf LONG_BIT) / 8))|g" "tools/install/$1.in" >"$scratch/$1"
 }
 
-# The static library: what fpm made, without the dependencies that it puts there too (test-drive).
+# The static library: what fpm made, without the app's rooms and without what fpm puts there too (test-drive).
 make_static() {
    cp $stage/lib/libpoinsot.a "$scratch/libpoinsot.a"
-   others=$(ar t "$scratch/libpoinsot.a" | grep '^build_dependencies_' || true)
+   others=$(ar t "$scratch/libpoinsot.a" | grep '^build_dependencies_\|^src_scene_\|^src_study_' || true)
    [ -z "$others" ] || ar d "$scratch/libpoinsot.a" $others
    ar s "$scratch/libpoinsot.a"
 }
 
 # The shared library: all objects of the static one, with LAPACK, the OpenMP and the Fortran runtime linked in by name, so
-# that dlopen from a program that has none of them works.
+# that dlopen from a program that has none of them works. It exports what tools/exports.sh says, and stays where it is when it
+# is closed: OpenMP's threads would go on in code that is gone.
 make_shared() {
    set -- $(tools/flags.sh link) -fopenmp -llapack -lblas
    if [ "$(uname)" = Darwin ]; then
-      "$FC" -dynamiclib -o "$scratch/$shared" -Wl,-install_name,@rpath/$soname -Wl,-force_load,"$scratch/libpoinsot.a" "$@"
+      tools/exports.sh list >"$scratch/exports"
+      "$FC" -dynamiclib -o "$scratch/$shared" -Wl,-install_name,@rpath/$soname -Wl,-force_load,"$scratch/libpoinsot.a" \
+         -Wl,-dead_strip -Wl,-exported_symbols_list,"$scratch/exports" "$@"
    else
+      tools/exports.sh map >"$scratch/exports"
       "$FC" -shared -o "$scratch/$shared" -Wl,-soname,$soname -Wl,--whole-archive "$scratch/libpoinsot.a" \
-         -Wl,--no-whole-archive -Wl,--no-undefined -Wl,-z,noexecstack "$@"
+         -Wl,--no-whole-archive -Wl,--no-undefined -Wl,-z,noexecstack -Wl,-z,nodelete -Wl,--gc-sections \
+         -Wl,--version-script="$scratch/exports" "$@"
    fi
 }
 
-# What a program needs beside libpoinsot.a when another compiler than gfortran links it.
+# What a program needs beside libpoinsot.a. Not where a compiler keeps its own libraries: another version may be there tomorrow.
 private_libraries() {
-   runtime=$(dirname "$("$FC" -print-file-name=libgfortran.a)")
-   case $runtime in /*) runtime=-L$(cd "$runtime" && pwd -P) ;; *) runtime= ;; esac
    quadmath=-lquadmath
    printf 'end\n' >"$scratch/try.f90"
    "$FC" "$scratch/try.f90" -lquadmath -o "$scratch/try" 2>/dev/null || quadmath=
-   echo $(tools/flags.sh link | tr ' ' '\n' | grep '^-L' || true) -llapack -lblas $runtime -lgfortran -lgomp $quadmath -lm
+   echo $(tools/flags.sh link | tr ' ' '\n' | grep '^-L' || true) -llapack -lblas -lgfortran -lgomp $quadmath -lm
+}
+
+# The .mod files that a program opens which uses the public modules: gfortran writes all they need into their own.
+modules() {
+   case $("$FC" --version 2>/dev/null) in
+   *GNU*) for it in $(tools/exports.sh modules); do echo "$stage/include/$it.mod"; done ;;
+   *) ls $stage/include/poinsot*.mod | grep -v '/poinsot_\(scene\|study\)_' ;;
+   esac
 }
 
 scratch=$(mktemp -d)
@@ -105,21 +132,30 @@ mkdir -p "$root" 2>/dev/null && [ -w "$root" ] || stop "no permission to write t
 
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' fpm.toml)
 if [ "$(uname)" = Darwin ]; then
-   shared=libpoinsot.$version.dylib soname=libpoinsot.${version%%.*}.dylib plain=libpoinsot.dylib
+   shared=libpoinsot.$version.dylib soname=libpoinsot.${version%.*}.dylib plain=libpoinsot.dylib
 else
-   shared=libpoinsot.so.$version soname=libpoinsot.so.${version%%.*} plain=libpoinsot.so
+   shared=libpoinsot.so.$version soname=libpoinsot.so.${version%.*} plain=libpoinsot.so
 fi
 private=$(private_libraries)
 make_static
 make_shared
-[ ! -f "$root/$list" ] || uninstall
+kept=
+if [ -f "$root/$list" ]; then
+   cp "$root/$list" "$scratch/before"
+   kept=$(grep 'libpoinsot\.\(so\.\|[0-9].*dylib\)' "$root/$list" | grep -v "$soname" || true)
+   [ -z "$kept" ] || { grep -vxF "$kept" "$root/$list" >"$scratch/rest" && cp "$scratch/rest" "$root/$list"; }
+   uninstall
+   sed -n '/\/$/p' "$scratch/before" | while IFS= read -r it; do [ ! -d "$(place "$it")" ] || echo "$it"; done >>"$scratch/list"
+fi
 
 put 644 "$scratch/libpoinsot.a" "$libdir/libpoinsot.a"
 put 755 "$scratch/$shared" "$libdir/$shared"
 link_to "$shared" "$libdir/$soname"
 link_to "$soname" "$libdir/$plain"
-for file in $stage/include/poinsot*.mod; do put 644 "$file" "include/poinsot/$(basename "$file")"; done
-for file in include/poinsot.h include/poinsot_interface.f90; do [ ! -f $file ] || put 644 $file $file; done
+for file in $(modules); do put 644 "$file" "$moddir/$(basename "$file")"; done
+for file in include/*; do put 644 "$file" "$file"; done
+tools/install/cdef.sh >"$scratch/poinsot_cdef.h"
+put 644 "$scratch/poinsot_cdef.h" include/poinsot_cdef.h
 filled poinsot.pc
 put 644 "$scratch/poinsot.pc" "$libdir/pkgconfig/poinsot.pc"
 for file in poinsotConfig.cmake poinsotConfigVersion.cmake; do
@@ -127,9 +163,12 @@ for file in poinsotConfig.cmake poinsotConfigVersion.cmake; do
    put 644 "$scratch/$file" "$libdir/cmake/poinsot/$file"
 done
 [ ! -f $stage/bin/poinsot ] || put 755 $stage/bin/poinsot bin/poinsot
-[ ! -f docs/poinsot.1 ] || put 644 docs/poinsot.1 share/man/man1/poinsot.1
-[ ! -d scenes ] || for file in scenes/*; do put 644 "$file" "share/poinsot/$file"; done
+put 644 docs/poinsot.1 share/man/man1/poinsot.1
+for file in scenes/*; do put 644 "$file" "share/poinsot/$file"; done
+[ ! -d share ] || find share -type f >"$scratch/share"
+[ ! -d share ] || while IFS= read -r file; do put 644 "$file" "$file"; done <"$scratch/share"
 put 644 LICENSE share/poinsot/LICENSE
+[ -z "$kept" ] || echo "$kept" >>"$scratch/list"
 echo "$list" >>"$scratch/list"
 cp "$scratch/list" "$root/$list"
 echo "installed under $root: $(grep -vc '/$' "$scratch/list") files"
