@@ -1,7 +1,7 @@
 !> The table of commands. A new one is a row in `table`, a case in `dispatch`, a text in app_help.
 module app_commands
    use poinsot_scene_communicator, only: communicator
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use app_arguments, only: word, word_list, command_words, is_option
    use app_codes, only: exit_ok, exit_usage
    use app_help, only: command, table, show_help, show_command_help
@@ -56,9 +56,8 @@ contains
          code = exit_usage
          return
       else if (.not. any(table%name == name)) then
-         call print_error("unknown command '" // name // "'; the nearest known one is '" // &
-                       nearest_name(name(:min(len(name), 60)), table%name) // &
-                       "' (poinsot --help shows all)")
+         call print_error("unknown command '" // name // "'" // suggestion(name, table%name) // &
+                       " (poinsot --help shows all)")
          code = exit_usage
          return
       end if

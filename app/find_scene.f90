@@ -1,6 +1,6 @@
 !> Where scenes are: a file, or a name in the folders where scenes are kept.
 module app_find_scene
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use app_arguments, only: word, word_list
    use app_terminal, only: executable_folder, environment
    implicit none(type, external)
@@ -46,9 +46,8 @@ contains
          message = "the scene '" // scene // "' is shipped, but not beside this program; name " // &
             "the folder of the scenes in POINSOT_SCENES"
       else
-         message = "there is no file '" // scene // "' and no scene of that name; the nearest " // &
-            "shipped one is '" // trim(nearest_name(scene(:min(len(scene), 60)), &
-            shipped_scenes)) // "' (poinsot scenes lists them)"
+         message = "there is no file '" // scene // "' and no scene of that name" // &
+            suggestion(scene, shipped_scenes) // " (poinsot scenes lists them)"
       end if
    end function missing_scene
 

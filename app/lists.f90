@@ -1,7 +1,7 @@
 !> poinsot methods, splittings, effects, keys, scenes: what there is.
 module app_lists
    use poinsot_core_error, only: poinsot_error
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_effect_settings, only: effect_info, effect_key
    use poinsot_effect_registry, only: effect_count
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
@@ -146,8 +146,7 @@ contains
          names(i) = info%name
       end do
       i = 0
-      call print_error(what // " '" // name // "'; the nearest known one is '" // &
-                    nearest_name(name(:min(len(name), 60)), names) // "'")
+      call print_error(what // " '" // name // "'" // suggestion(name, names))
    end subroutine find_group
 
    !> One group: formula, keys, check.

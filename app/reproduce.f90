@@ -2,7 +2,7 @@
 module app_reproduce
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_scene_files, only: make_folder
    use poinsot_scene_text, only: joined
    use poinsot_study_plots, only: either
@@ -43,9 +43,8 @@ contains
                               "which figure? There are " // joined(figures))
       if (.not. good) return
       if (.not. any(figures == options%scene)) then
-         call print_error("reproduce: unknown figure '" // options%scene // &
-            "'; the nearest known one is '" // &
-            nearest_name(options%scene(:min(len(options%scene), 60)), figures) // "'")
+         call print_error("reproduce: unknown figure '" // options%scene // "'" // &
+            suggestion(options%scene, figures))
          return
       end if
       budget = 120

@@ -2,7 +2,7 @@
 module app_run
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_scene_text, only: text_of, quoted, joined
    use poinsot_scene_source, only: scene_source
@@ -123,9 +123,9 @@ contains
       if (size(options) == 0) then
          call print_error(command // ": unknown option '" // name // "'; there is only --help")
       else
-         call print_error(command // ": unknown option '" // name // &
-                       "'; the nearest known one is " // nearest_name(name(:min(len(name), 60)), &
-                       options) // " (poinsot " // command // " --help shows all)")
+         call print_error(command // ": unknown option '" // name // "'" // &
+                       suggestion(name, options) // " (poinsot " // command // &
+                       " --help shows all)")
       end if
    end subroutine unknown_option
 

@@ -1,11 +1,15 @@
 !> Room core: status list, error type, version.
 module test_core
+   use, intrinsic :: ieee_arithmetic, only: ieee_down, ieee_get_rounding_mode, ieee_round_type, &
+      ieee_set_rounding_mode, ieee_to_zero, ieee_up
    use, intrinsic :: iso_fortran_env, only: real128
    use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
    use poinsot_core_kinds, only: dp, qp, i4, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_cpu, status_text
    use poinsot_core_error, only: poinsot_error, clear, raise, raised
    use poinsot_core_decimal, only: append_number, append_integer, longest_number
+   use poinsot_core_nearest, only: nearest_name, suggestion
+   use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_version, only: version_number, version_text
    implicit none(type, external)
    private
@@ -20,11 +24,51 @@ contains
          new_unittest("status-texts", test_status_texts), &
          new_unittest("unknown-status", test_unknown_status), &
          new_unittest("error-life", test_error_life), &
+         new_unittest("rounding-mode", test_rounding), &
+         new_unittest("suggestions", test_suggestions), &
          new_unittest("version-number-and-text", test_version), &
          new_unittest("version-in-manifest", test_manifest), &
          new_unittest("numbers-as-text", test_numbers), &
          new_unittest("whole-numbers-as-text", test_whole_numbers)]
    end subroutine collect_core
+
+   subroutine test_rounding(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(ieee_round_type), parameter :: others(3) = [ieee_up, ieee_down, ieee_to_zero]
+      type(ieee_round_type) :: usual
+      logical :: nearest(3)
+      integer :: i
+      call ieee_get_rounding_mode(usual)
+      do i = 1, 3
+         call ieee_set_rounding_mode(others(i))
+         nearest(i) = rounds_to_nearest()
+         call ieee_set_rounding_mode(usual)
+      end do
+      call check(error, .not. any(nearest), "directed rounding not noticed")
+      if (allocated(error)) return
+      call check(error, rounds_to_nearest(), "rounding to nearest not noticed")
+   end subroutine test_rounding
+
+   !> A name that is near is suggested, one that is not is not.
+   subroutine test_suggestions(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(10), parameter :: known(5) = [character(10) :: "free-body", "heavy-top", &
+         "gyrostat", "scene", "t_end"]
+      character(10), parameter :: asked(10) = [character(10) :: "nosuch", "secne", "hev-top", &
+         "gyr", "FREE-BODY", "", "x", "topheavy", "tend", "ab"]
+      character(10), parameter :: right(10) = [character(10) :: "", "scene", "heavy-top", &
+         "gyrostat", "free-body", "", "", "", "t_end", ""]
+      integer :: i
+      do i = 1, size(asked)
+         call check(error, nearest_name(asked(i), known), trim(right(i)), "near "//asked(i))
+         if (allocated(error)) return
+      end do
+      call check(error, suggestion("heavytop", known), "; the nearest known one is 'heavy-top'")
+      if (allocated(error)) return
+      call check(error, suggestion("sceen", known, "&<", ">"), "; the nearest known one is &<scene>")
+      if (allocated(error)) return
+      call check(error, suggestion("nosuch", known), "")
+   end subroutine test_suggestions
 
    subroutine test_kinds(error)
       type(error_type), allocatable, intent(out) :: error

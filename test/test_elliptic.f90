@@ -1,6 +1,8 @@
 !> Room elliptic: elementary functions, Carlson's and Legendre's integrals, Jacobi's functions.
 module test_elliptic
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_down, ieee_get_rounding_mode, ieee_quiet_nan, &
+      ieee_round_type, ieee_set_rounding_mode, ieee_set_underflow_mode, &
+      ieee_support_underflow_control, ieee_to_zero, ieee_up, ieee_value
    use, intrinsic :: ieee_exceptions, only: ieee_divide_by_zero, ieee_flag_type, ieee_get_flag, &
       ieee_invalid, ieee_overflow, ieee_set_flag
    use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
@@ -18,6 +20,7 @@ module test_elliptic
    public :: collect_elliptic
 
    character(*), parameter :: table = "test/data/elliptic.csv"
+   real(dp), parameter :: pi = acos(-1.0_dp)
    integer, parameter :: many = 3000 !! random blocks of an elementary function
 
    !> A row of the table: inputs as doubles, results with 25 digits.
@@ -43,8 +46,11 @@ contains
          new_unittest("jacobi-identities", test_jacobi_identities), &
          new_unittest("jacobi-addition", test_jacobi_addition), &
          new_unittest("jacobi-ends", test_jacobi_ends), &
+         new_unittest("jacobi-m-one-far", test_jacobi_far), &
          new_unittest("jacobi-scalar-is-array", test_jacobi_bits), &
          new_unittest("jacobi-out-of-domain", test_jacobi_domain), &
+         new_unittest("jacobi-directed-rounding", test_jacobi_rounding), &
+         new_unittest("jacobi-flush-to-zero", test_jacobi_flush), &
          new_unittest("carlson-table", test_carlson_table), &
          new_unittest("carlson-published", test_carlson_published), &
          new_unittest("carlson-scales", test_carlson_scales), &
@@ -444,6 +450,70 @@ contains
       call jacobi_functions(k, 1.0_dp, sn(1), cn(1), dn(1), 1.0e-300_dp)
       call check_below(error, abs(dn(1)*1.0e150_dp - 1), 1e-13_dp, "dn(K) = sqrt(m1)")
    end subroutine test_jacobi_ends
+
+   !> m = 1 has no period: sn = +-1, cn = dn = 0, am = +-pi/2 as far as arguments go.
+   subroutine test_jacobi_far(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: u(9) = [50.0_dp, -800.0_dp, 5.0e9_dp, -6.0e9_dp, 2.0e10_dp, &
+         1.0e11_dp, -3.0e13_dp, 7.0e14_dp, 1.0e15_dp]
+      real(dp) :: sn(9), cn(9), dn(9)
+      call jacobi_functions(u, 1.0_dp, sn, cn, dn)
+      call check_below(error, maxval(abs(sn - sign(1.0_dp, u))), 0.0_dp, "sn = +-1")
+      if (allocated(error)) return
+      call check(error, all(cn >= 0 .and. cn < 1.0e-21_dp .and. dn >= 0 .and. dn < 1.0e-21_dp), &
+         "cn = dn = 0")
+      if (allocated(error)) return
+      call check_below(error, maxval(abs(jacobi_am(u, 1.0_dp) - sign(0.5_dp*pi, u))), 3e-16_dp, &
+         "am = +-pi/2")
+   end subroutine test_jacobi_far
+
+   !> While sums are not rounded to nearest, NaN; afterwards the bits of before.
+   subroutine test_jacobi_rounding(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(ieee_round_type), parameter :: modes(3) = [ieee_up, ieee_down, ieee_to_zero]
+      type(ieee_round_type) :: usual
+      real(dp) :: sn, cn, dn, am, sn2, cn2, dn2
+      logical :: nans(3)
+      integer :: i
+      call ieee_get_rounding_mode(usual)
+      call jacobi_functions(10.0_dp, 0.37_dp, sn, cn, dn)
+      do i = 1, 3
+         call ieee_set_rounding_mode(modes(i))
+         call jacobi_functions(10.0_dp, 0.37_dp, sn2, cn2, dn2)
+         am = jacobi_am(10.0_dp, 0.37_dp)
+         call ieee_set_rounding_mode(usual)
+         nans(i) = is_nan(sn2) .and. is_nan(cn2) .and. is_nan(dn2) .and. is_nan(am)
+      end do
+      call check(error, all(nans), "a number where there should be none")
+      if (allocated(error)) return
+      call jacobi_functions(10.0_dp, 0.37_dp, sn2, cn2, dn2)
+      call check(error, same(sn, sn2) .and. same(cn, cn2) .and. same(dn, dn2), "bits of before")
+      if (allocated(error)) return
+      call check_below(error, abs(sn - 0.509249681975550_dp), 1e-15_dp, "sn(10|.37)")
+   end subroutine test_jacobi_rounding
+
+   !> A host that flushes subnormal numbers to zero gets the same to rounding.
+   subroutine test_jacobi_flush(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: n = 400
+      real(dp), dimension(n) :: u, m, t, sn, cn, dn, sn2, cn2, dn2
+      integer(i8) :: state
+      if (.not. ieee_support_underflow_control(u(1))) return
+      state = 211
+      call draw(state, u)
+      call draw(state, m)
+      call draw(state, t)
+      u = (2*u - 1)*10.0_dp**(6*t)
+      m(:100) = m(:100)*10.0_dp**(-300*t(:100))
+      m(101:200) = 1
+      u(:50) = u(:50)*1.0e-307_dp
+      call jacobi_array(u, m, 1 - m, sn, cn, dn)
+      call ieee_set_underflow_mode(.false.)
+      call jacobi_array(u, m, 1 - m, sn2, cn2, dn2)
+      call ieee_set_underflow_mode(.true.)
+      call check_below(error, max(maxval(abs(sn - sn2)), maxval(abs(cn - cn2)), &
+         maxval(abs(dn - dn2))), 2e-16_dp, "flush to zero")
+   end subroutine test_jacobi_flush
 
    subroutine test_jacobi_bits(error)
       type(error_type), allocatable, intent(out) :: error

@@ -4,23 +4,27 @@ module test_rotation
    use testdrive, only: new_unittest, unittest_type, error_type
    use test_expectation, only: within, expect, refused, accepted
    use poinsot_core_kinds, only: dp, i4, i8
-   use poinsot_core_status, only: poinsot_e_domain
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
    use poinsot_core_error, only: poinsot_error
    use poinsot_rotation, only: cross, vector_norm, unit_vector, perpendicular, angle_between, hat, &
-      vee, rot, identity_matrix, determinant, largest_exponent, identity_quaternion, &
-      check_quaternion, quaternion_product, quaternion_conjugate, quaternion_inverse, &
-      quaternion_norm, normalise, rotate, rotate_back, quaternion_exp, quaternion_log, slerp, &
-      shortest_arc, attitude_distance, attitude_angle, to_matrix, from_matrix, from_axis_angle, &
-      to_axis_angle, to_rotation_vector, from_cayley, to_cayley, from_euler_zyx, to_euler_zyx, &
-      from_euler_zxz, to_euler_zxz, check_rotation, nearest_rotation, quaternion_u, quaternion_v, &
-      quaternion_a, matrix_u, matrix_v, matrix_a, philox4x32, random_words, uniform_from_words, &
-      random_uniform, random_gaussian, random_quaternion, random_direction
+      vee, rot, identity_matrix, determinant, identity_quaternion, check_quaternion, &
+      quaternion_product, quaternion_conjugate, quaternion_inverse, quaternion_norm, normalise, &
+      rotate, rotate_back, quaternion_exp, quaternion_log, slerp, shortest_arc, attitude_distance, &
+      attitude_angle, to_matrix, from_matrix, from_axis_angle, to_axis_angle, to_rotation_vector, &
+      from_cayley, to_cayley, from_euler, to_euler, check_rotation, nearest_rotation, &
+      quaternion_u, quaternion_v, quaternion_a, matrix_u, matrix_v, matrix_a, random_uniform, &
+      random_gaussian, random_quaternion, random_direction
+   use poinsot_rotation_conversions, only: attitude_of_euler, euler_axes, euler_of_attitude
+   use poinsot_rotation_random, only: philox4x32, random_words, uniform_from_words
+   use poinsot_rotation_vector, only: largest_exponent
    implicit none(type, external)
    private
    public :: collect_rotation
 
    integer(i8), parameter :: seed = 20130415_i8, trials = 1000_i8
    real(dp), parameter :: eps = epsilon(1._dp), pi = acos(-1._dp)
+   character(*), parameter :: conventions(12) = ["xyz", "xzy", "yxz", "yzx", "zxy", "zyx", "xyx", &
+      "xzx", "yxy", "yzy", "zxz", "zyz"]
 
 contains
 
@@ -48,9 +52,10 @@ contains
          new_unittest("axis-angle", test_axis_angle), &
          new_unittest("rotation-vector", test_rotation_vector), &
          new_unittest("cayley", test_cayley), &
-         new_unittest("euler-zyx", test_euler_zyx), &
-         new_unittest("euler-zxz", test_euler_zxz), &
+         new_unittest("euler", test_euler), &
+         new_unittest("small-nutation", test_small_nutation), &
          new_unittest("gimbal-lock", test_gimbal_lock), &
+         new_unittest("euler-refusals", test_euler_refusals), &
          new_unittest("review-u-v-a", test_review), &
          new_unittest("review-flows", test_review_flows), &
          new_unittest("philox-known-answers", test_philox), &
@@ -316,6 +321,13 @@ contains
       call within(error, worst(4), 4*eps, "slerp is unit")
       call within(error, attitude_distance(slerp(identity_quaternion, quaternion_u(-1._dp), &
          2._dp), quaternion_u(-2._dp)), 4*eps, "slerp beyond its ends")
+      do k = 1, 15 ! ends 10**-k apart, far beyond them
+         t = 10._dp**k
+         call within(error, attitude_distance(slerp(identity_quaternion, quaternion_u(-1/t), t), &
+            quaternion_u(-1._dp)), 4*eps, "slerp far beyond near ends")
+         call within(error, attitude_distance(slerp(identity_quaternion, quaternion_u(-1/t), &
+            -2.5_dp*t), quaternion_u(2.5_dp)), 8*eps, "slerp far before near ends")
+      end do
    end subroutine test_slerp
 
    subroutine test_shortest_arc(error)
@@ -560,69 +572,91 @@ contains
       q(1 + k) = sin(angle/2)
    end function turn
 
-   subroutine test_euler_zyx(error)
+   !> Angles of all twelve conventions make the product of three turns, and come back.
+   subroutine test_euler(error)
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: a(3), b(3), q(4), worst(3)
+      type(poinsot_error) :: refusal
+      real(dp) :: a(3), b(3), q(4), worst(3), size_of_lever
       integer(i8) :: k
-      worst = 0
-      do k = 1, trials
-         a = pi*some_vector(k)*[1._dp, .49_dp, 1._dp]
-         q = from_euler_zyx(a)
-         worst(1) = max(worst(1), apart(q, quaternion_product(turn(3, a(1)), &
-            quaternion_product(turn(2, a(2)), turn(1, a(3))))))
-         worst(2) = max(worst(2), apart(to_euler_zyx(-q), a)*cos(a(2)))
-         q = random_quaternion(seed, k)
-         b = to_euler_zyx(q)
-         worst(3) = max(worst(3), attitude_distance(from_euler_zyx(b), q))
+      integer :: c, axes(3)
+      do c = 1, 12
+         axes = [(index("xyz", conventions(c)(k:k)), k=1, 3)]
+         worst = 0
+         do k = 1, trials
+            a = pi*some_vector(k)*[1._dp, .49_dp, 1._dp]
+            size_of_lever = cos(a(2))
+            if (axes(1) == axes(3)) a(2) = pi*random_uniform_one(k)
+            if (axes(1) == axes(3)) size_of_lever = sin(a(2))
+            call from_euler(conventions(c), a, q, refusal)
+            worst(1) = max(worst(1), apart(q, quaternion_product(turn(axes(1), a(1)), &
+               quaternion_product(turn(axes(2), a(2)), turn(axes(3), a(3))))))
+            call to_euler(conventions(c), -q, b, refusal)
+            worst(2) = max(worst(2), apart(b, a)*size_of_lever)
+            q = random_quaternion(seed, k)
+            call to_euler(conventions(c), q, b, refusal)
+            worst(3) = max(worst(3), attitude_distance(attitude_of_euler(axes, b), q))
+         end do
+         call within(error, worst(1), 4*eps, conventions(c)//": the product of three turns")
+         call within(error, worst(2), 16*eps, conventions(c)//": angles there and back")
+         call within(error, worst(3), 8*eps, conventions(c)//": attitude there and back")
       end do
-      call within(error, worst(1), 4*eps, "Q = R3(yaw) R2(pitch) R1(roll)")
-      call within(error, worst(2), 16*eps, "zyx angles there and back")
-      call within(error, worst(3), 8*eps, "zyx attitude there and back")
-   end subroutine test_euler_zyx
+      call accepted(error, refusal)
+   end subroutine test_euler
 
-   subroutine test_euler_zxz(error)
+   !> A small second angle of a symmetric convention keeps its digits.
+   subroutine test_small_nutation(error)
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: a(3), b(3), q(4), worst(4)
-      integer(i8) :: k
+      real(dp) :: b(3), worst, nutation
+      integer :: k
       worst = 0
-      do k = 1, trials
-         a = pi*some_vector(k)
-         a(2) = pi*random_uniform_one(k)
-         q = from_euler_zxz(a)
-         worst(1) = max(worst(1), apart(q, quaternion_product(turn(3, a(1)), &
-            quaternion_product(turn(1, a(2)), turn(3, a(3))))))
-         worst(2) = max(worst(2), apart(to_euler_zxz(-q), a)*sin(a(2)))
-         q = random_quaternion(seed, k)
-         b = to_euler_zxz(q)
-         worst(3) = max(worst(3), attitude_distance(from_euler_zxz(b), q))
-         b = to_euler_zxz(from_euler_zxz([.3_dp, 10._dp**(-mod(k, 14_i8)), .4_dp]))
-         worst(4) = max(worst(4), abs(b(2)/10._dp**(-mod(k, 14_i8)) - 1))
+      do k = 0, 13
+         nutation = 10._dp**(-k)
+         b = euler_of_attitude([3, 1, 3], attitude_of_euler([3, 1, 3], [.3_dp, nutation, .4_dp]))
+         worst = max(worst, abs(b(2)/nutation - 1))
       end do
-      call within(error, worst(1), 4*eps, "Q = R3(precession) R1(nutation) R3(spin)")
-      call within(error, worst(2), 16*eps, "zxz angles there and back")
-      call within(error, worst(3), 8*eps, "zxz attitude there and back")
-      call within(error, worst(4), 16*eps, "small nutation keeps its digits")
-   end subroutine test_euler_zxz
+      call within(error, worst, 16*eps, "small nutation keeps its digits")
+   end subroutine test_small_nutation
 
    !> In the lock the last angle is zero and the attitude comes back.
    subroutine test_gimbal_lock(error)
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: a(3), q(4), worst, last
+      real(dp) :: a(3), b(3), q(4), worst, last
       integer(i8) :: k
+      integer :: c, axes(3)
       worst = 0
       last = 0
-      do k = 1, trials
-         a = pi*some_vector(k)
-         q = from_euler_zyx([a(1), sign(pi/2, a(2)), a(3)])
-         worst = max(worst, attitude_distance(from_euler_zyx(to_euler_zyx(q)), q))
-         last = max(last, maxval(abs(to_euler_zyx(q)*[0, 0, 1])))
-         q = from_euler_zxz([a(1), merge(0._dp, pi, a(2) > 0), a(3)])
-         worst = max(worst, attitude_distance(from_euler_zxz(to_euler_zxz(q)), q))
-         last = max(last, maxval(abs(to_euler_zxz(q)*[0, 0, 1])))
+      do c = 1, 12
+         axes = euler_axes(conventions(c))
+         do k = 1, trials/10
+            a = pi*some_vector(k)
+            a(2) = sign(pi/2, a(2))
+            if (axes(1) == axes(3)) a(2) = merge(0._dp, pi, a(2) > 0)
+            q = attitude_of_euler(axes, a)
+            b = euler_of_attitude(axes, q)
+            worst = max(worst, attitude_distance(attitude_of_euler(axes, b), q))
+            last = max(last, abs(b(3)))
+         end do
       end do
       call within(error, worst, 8*eps, "attitude in gimbal lock there and back")
-      call within(error, last, 0._dp, "roll or spin in gimbal lock")
+      call within(error, last, 0._dp, "the third angle in gimbal lock")
    end subroutine test_gimbal_lock
+
+   subroutine test_euler_refusals(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: bad(7) = [character(6) :: "", "zx", "ZXZ", "zzx", "xyy", "xyw", &
+         "zxz-zx"]
+      type(poinsot_error) :: refusal
+      real(dp) :: q(4), a(3)
+      integer :: i
+      do i = 1, size(bad)
+         call from_euler(trim(bad(i)), [0._dp, 0._dp, 0._dp], q, refusal)
+         call refused(error, refusal, poinsot_e_method, "from_euler: unknown convention")
+         call to_euler(trim(bad(i)), identity_quaternion, a, refusal)
+         call refused(error, refusal, poinsot_e_method, "to_euler: unknown convention")
+      end do
+      call from_euler("zxz", [0._dp, ieee_value(q(1), ieee_quiet_nan), 0._dp], q, refusal)
+      call refused(error, refusal, poinsot_e_domain, "not finite")
+   end subroutine test_euler_refusals
 
    !> u, v, a stand for U, V, exp(hat), which are what the review prints.
    subroutine test_review(error)

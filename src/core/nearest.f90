@@ -2,22 +2,49 @@
 module poinsot_core_nearest
    implicit none(type, external)
    private
-   public :: nearest_name, edit_distance
+   public :: nearest_name, suggestion, edit_distance
+
+   integer, parameter :: longest = 60 !! letters of an unknown name that are looked at
 
 contains
 
+   !> The second half of a refusal: "; the nearest known one is 'strang'", or nothing if no known
+   !> name is near.
+   pure function suggestion(name, known, opening, closing) result(text)
+      character(*), intent(in) :: name              !! the unknown name, any case
+      character(*), intent(in) :: known(:)          !! the names that would be right
+      character(*), intent(in), optional :: opening !! what stands before a name, default '
+      character(*), intent(in), optional :: closing !! what stands behind it, default '
+      character(:), allocatable :: text
+      text = nearest_name(name, known)
+      if (text == "") return
+      if (present(opening)) then
+         text = opening//text
+      else
+         text = "'"//text
+      end if
+      if (present(closing)) then
+         text = text//closing
+      else
+         text = text//"'"
+      end if
+      text = "; the nearest known one is "//text
+   end function suggestion
+
    !> The known name that begins with this one, of three letters or more; else that with the
-   !> smallest edit distance; the first of equals; "" if none is known.
+   !> smallest edit distance, the first of equals; "" if more than a third of the letters, rounded,
+   !> would have to change.
    pure function nearest_name(name, known) result(nearest)
       character(*), intent(in) :: name     !! the unknown name, any case
       character(*), intent(in) :: known(:) !! the names that would be right
       character(:), allocatable :: nearest
-      integer :: i, distance, least
+      integer :: i, n, distance, least
+      n = min(len_trim(name), longest)
       nearest = ""
-      least = huge(least)
+      least = (n + 1)/3 + 1
       do i = 1, size(known)
-         distance = edit_distance(name, known(i))
-         if (begins(known(i), name)) distance = 0
+         distance = edit_distance(name(:n), known(i))
+         if (begins(known(i), name(:n))) distance = 0
          if (distance >= least) cycle
          least = distance
          nearest = trim(known(i))
@@ -34,21 +61,25 @@ contains
       end do
    end function begins
 
-   !> Least number of letters to insert, delete or replace (Levenshtein 1966); case and trailing
-   !> blanks do not count.
+   !> Least number of letters to insert, delete, replace or, if they are neighbours, exchange
+   !> (Levenshtein 1966, Damerau 1964); case and trailing blanks do not count.
    pure integer function edit_distance(a, b) result(distance)
       character(*), intent(in) :: a, b !! two words
-      integer :: row(0:len_trim(b)), i, j, diagonal, above
+      integer, dimension(0:len_trim(b)) :: before, row, next
+      integer :: i, j
       row = [(j, j=0, len_trim(b))]
+      before = row
       do i = 1, len_trim(a)
-         diagonal = row(0)
-         row(0) = i
+         next(0) = i
          do j = 1, len_trim(b)
-            above = row(j)
-            row(j) = min(above + 1, row(j - 1) + 1, &
-               diagonal + merge(0, 1, same_letter(a(i:i), b(j:j))))
-            diagonal = above
+            next(j) = min(row(j) + 1, next(j - 1) + 1, &
+               row(j - 1) + merge(0, 1, same_letter(a(i:i), b(j:j))))
+            if (i == 1 .or. j == 1) cycle
+            if (same_letter(a(i:i), b(j - 1:j - 1)) .and. same_letter(a(i - 1:i - 1), b(j:j))) &
+               next(j) = min(next(j), before(j - 2) + 1)
          end do
+         before = row
+         row = next
       end do
       distance = row(len_trim(b))
    end function edit_distance

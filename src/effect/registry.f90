@@ -5,7 +5,7 @@ module poinsot_effect_registry
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_effect_effect, only: effect
    use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, &
       check_keys, get_value
@@ -108,8 +108,8 @@ contains
          do i = 1, effect_count
             names(i) = effect_name(i)
          end do
-         call raise(error, poinsot_e_method, "unknown effect '" // trim(name) // &
-                    "'; the nearest known name is '" // nearest_name(name, names) // "'")
+         call raise(error, poinsot_e_method, "unknown effect '" // trim(name) // "'" // &
+                    suggestion(name, names))
          return
       end if
       call effect_row(i, info, make)

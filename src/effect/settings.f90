@@ -6,7 +6,7 @@ module poinsot_effect_settings
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_size
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    implicit none(type, external)
    private
    public :: setting, effect_key, effect_info, number_key, text_key
@@ -86,8 +86,8 @@ contains
          k = find_key(info, settings(i)%key)
          if (k == 0) then
             call raise(error, poinsot_e_method, "effect '" // trim(info%name) // &
-                       "': unknown key '" // settings(i)%key // "'; the nearest known key is '" // &
-                       nearest_name(settings(i)%key, info%keys%name) // "'")
+                       "': unknown key '" // settings(i)%key // "'" // &
+                       suggestion(settings(i)%key, info%keys%name))
             return
          end if
          do j = 1, i - 1

@@ -4,10 +4,11 @@
 !> Both forms run the same block kernel and give the same bits, wherever an element stands; the
 !> array forms are the fast ones. Error of sn, cn, dn at most 1e-15 for |u| <= 1e6, that of am 1e-15
 !> (1 + |am|). An element whose u, m or m1 is out of its domain, infinite or NaN gives NaN, without
-!> an exception.
+!> an exception; so does every element while the thread does not round to nearest.
 module poinsot_elliptic_jacobi
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_elliptic_elementary, only: atan2_block
    use poinsot_elliptic_jacobi_kernel, only: jacobi_block
    implicit none(type, external)
@@ -113,6 +114,10 @@ contains
       mb(n + 1:) = 0.0_dp
       m1b(n + 1:) = 1.0_dp
       call find_outside(ub, mb, m1b, outside, all_outside)
+      if (.not. rounds_to_nearest()) then
+         outside = 1_i8
+         all_outside = 1_i8
+      end if
       if (all_outside /= 0_i8) then
          where (outside /= 0_i8)
             ub = 0.0_dp

@@ -27,7 +27,7 @@ module poinsot_elliptic_jacobi_kernel
    real(dp), parameter :: log2e = 1.4426950408889634_dp
    real(dp), parameter :: ln2_hi = 0.6931471805601177_dp, ln2_lo = -1.7239444525614835e-13_dp
    real(dp), parameter :: pi_hi = 3.141592653589793_dp, pi_lo = 1.2246467991473532e-16_dp
-   real(dp), parameter :: endless = 1.0e10_dp !! the period for m = 1
+   real(dp), parameter :: endless = 1.0e300_dp !! period for m = 1, beyond every argument
 
    ! sine, cosine and exponential as in poinsot_elliptic_elementary, in line: arguments are small
    real(dp), parameter :: s1 = -0.16666666666666666_dp, s2 = 0.008333333333330948_dp

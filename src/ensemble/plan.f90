@@ -3,7 +3,7 @@
 module poinsot_ensemble_plan
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
       poinsot_e_size
    use poinsot_body_class, only: body_class, make_class
@@ -132,9 +132,8 @@ contains
          call read_integer(key, value, -huge(number), huge(number), number, error)
          if (.not. raised(error)) plan%seed = number
       case default
-         call raise(error, poinsot_e_method, "plan: unknown option '"//trim(key)//"'; nearest: '" &
-            // &
-                    nearest_name(key, keys)//"'")
+         call raise(error, poinsot_e_method, "plan: unknown option '"//trim(key)//"'"// &
+            suggestion(key, keys))
       end select
    end subroutine set_option
 
@@ -146,9 +145,8 @@ contains
       do place = 1, size(names)
          if (names(place) == value) return
       end do
-      call raise(error, poinsot_e_method, "plan: unknown "//key//" '"//trim(value) &
-         //"'; nearest: '"// &
-                 nearest_name(value, names)//"'")
+      call raise(error, poinsot_e_method, "plan: unknown "//key//" '"//trim(value)//"'"// &
+         suggestion(value, names))
    end subroutine choose
 
    subroutine read_integer(key, value, least, most, number, error)

@@ -7,15 +7,17 @@
 module poinsot_rotation_conversions
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
-   use poinsot_core_status, only: poinsot_e_domain
+   use poinsot_core_libm, only: arctangent, cosine, sine
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_rotation_vector, only: vector_norm, unit_vector
-   use poinsot_rotation_quaternion, only: identity_quaternion, normalise
+   use poinsot_rotation_quaternion, only: identity_quaternion, normalise, quaternion_product
    implicit none(type, external)
    private
    public :: to_matrix, from_matrix
-   public :: from_axis_angle, to_axis_angle, to_rotation_vector, from_cayley, to_cayley
-   public :: from_euler_zyx, to_euler_zyx, from_euler_zxz, to_euler_zxz
+   public :: from_axis_angle, to_axis_angle, from_rotation_vector, to_rotation_vector
+   public :: from_cayley, to_cayley, from_euler, to_euler
+   public :: euler_axes, attitude_of_euler, euler_of_attitude
 
    real(dp), parameter :: pi = acos(-1._dp)
 
@@ -85,7 +87,7 @@ contains
          call raise(error, poinsot_e_domain, &
             "from_axis_angle: the axis is zero; it must have a direction")
       else
-         q = [cos(angle/2), sin(angle/2)*unit_vector(axis)]
+         q = [cosine(angle/2), sine(angle/2)*unit_vector(axis)]
       end if
    end subroutine from_axis_angle
 
@@ -96,19 +98,29 @@ contains
       real(dp), intent(out) :: angle   !! radians, in [0, pi]
       real(dp) :: p(4)
       p = scalar_positive(q)
-      angle = 2*atan2(vector_norm(p(2:4)), p(1))
+      angle = 2*arctangent(vector_norm(p(2:4)), p(1))
       axis = unit_vector(p(2:4))
       if (maxval(abs(axis)) <= 0) axis = [1._dp, 0._dp, 0._dp]
    end subroutine to_axis_angle
 
-   !> Rotation vector (axis times angle) of an attitude, of length at most pi: the inverse of the
-   !> review's a(omega).
+   !> The turn by a rotation vector: about its direction, by its length.
+   pure function from_rotation_vector(omega) result(q)
+      real(dp), intent(in) :: omega(3) !! radians, any length up to 1e308
+      real(dp) :: q(4)                 !! unit; scalar part cos(|omega|/2), of either sign
+      real(dp) :: angle, factor
+      angle = vector_norm(omega)
+      factor = 0.5_dp ! sin(x/2)/x to within x**2/24
+      if (angle > 1e-8_dp) factor = sine(angle/2)/angle
+      q = [cosine(angle/2), factor*omega]
+   end function from_rotation_vector
+
+   !> Rotation vector (axis times angle) of an attitude, of length at most pi.
    pure function to_rotation_vector(q) result(omega)
       real(dp), intent(in) :: q(4) !! attitude, unit
       real(dp) :: omega(3)
       real(dp) :: p(4)
       p = scalar_positive(q)
-      omega = 2*atan2(vector_norm(p(2:4)), p(1))*unit_vector(p(2:4))
+      omega = 2*arctangent(vector_norm(p(2:4)), p(1))*unit_vector(p(2:4))
    end function to_rotation_vector
 
    !> Attitude of a Cayley vector e: (1, e)/sqrt(1 + |e|^2).
@@ -131,79 +143,117 @@ contains
       end if
    end subroutine to_cayley
 
-   !> Attitude of intrinsic z-y'-x'' angles (yaw, pitch, roll; Tait-Bryan): Q = R3(yaw) R2(pitch)
-   !> R1(roll).
-   pure function from_euler_zyx(angles) result(q)
-      real(dp), intent(in) :: angles(3) !! yaw, pitch, roll in radians
-      real(dp) :: q(4)
-      real(dp) :: c(3), s(3)
-      c = cos(angles/2)
-      s = sin(angles/2)
-      q(1) = c(1)*c(2)*c(3) + s(1)*s(2)*s(3)
-      q(2) = c(1)*c(2)*s(3) - s(1)*s(2)*c(3)
-      q(3) = c(1)*s(2)*c(3) + s(1)*c(2)*s(3)
-      q(4) = s(1)*c(2)*c(3) - c(1)*s(2)*s(3)
-   end function from_euler_zyx
+   !> Axes of a convention, as numbers: "zxz" is 3, 1, 3. Zeros for what is none of the twelve
+   !> (lower-case x, y, z, neighbours different).
+   pure function euler_axes(convention) result(axes)
+      character(*), intent(in) :: convention
+      integer :: axes(3)
+      integer :: k
+      axes = 0
+      if (len_trim(convention) /= 3) return
+      do k = 1, 3
+         axes(k) = index("xyz", convention(k:k))
+      end do
+      if (any(axes == 0) .or. axes(1) == axes(2) .or. axes(2) == axes(3)) axes = 0
+   end function euler_axes
 
-   !> Intrinsic z-y'-x'' angles of an attitude. In gimbal lock (pitch +-pi/2) only yaw -+ roll is
-   !> known: roll is 0 then.
+   !> Attitude of Euler angles about moving axes: q = q_1(a1) o q_2(a2) o q_3(a3), turns about the
+   !> axes that the letters of the convention name. In body frames: first a1 about the first axis,
+   !> then a2 about the second as it then lies, then a3.
+   pure subroutine from_euler(convention, angles, q, error)
+      character(*), intent(in) :: convention      !! one of "xyz", "xzy", "yxz", "yzx", "zxy",
+                                                  !! "zyx", "xyx", "xzx", "yxy", "yzy", "zxz", "zyz"
+      real(dp), intent(in) :: angles(3)           !! radians, any
+      real(dp), intent(out) :: q(4)               !! unit, of either sign
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_method: unknown convention,
+                                                  !! poinsot_e_domain: an angle is not finite
+      integer :: axes(3)
+      q = identity_quaternion
+      call find_axes("from_euler", convention, axes, error)
+      if (axes(1) == 0) return
+      if (all(ieee_is_finite(angles))) then
+         q = attitude_of_euler(axes, angles)
+      else
+         call raise(error, poinsot_e_domain, "from_euler: an angle is not finite")
+      end if
+   end subroutine from_euler
+
+   !> Euler angles of an attitude. In gimbal lock only the sum or the difference of the first and
+   !> the third is known: the third is 0 then.
+   pure subroutine to_euler(convention, q, angles, error)
+      character(*), intent(in) :: convention      !! as in from_euler
+      real(dp), intent(in) :: q(4)                !! attitude, unit
+      real(dp), intent(out) :: angles(3)          !! first and third in [-pi, pi], the second in
+                                                  !! [0, pi] if they share an axis, else in
+                                                  !! [-pi/2, pi/2]
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_method: unknown convention
+      integer :: axes(3)
+      angles = 0
+      call find_axes("to_euler", convention, axes, error)
+      if (axes(1) /= 0) angles = euler_of_attitude(axes, q)
+   end subroutine to_euler
+
+   !> Axes of a convention, or a refusal.
+   pure subroutine find_axes(who, convention, axes, error)
+      character(*), intent(in) :: who, convention
+      integer, intent(out) :: axes(3)
+      type(poinsot_error), intent(inout) :: error
+      axes = euler_axes(convention)
+      if (axes(1) == 0) call raise(error, poinsot_e_method, who//": unknown convention '"// &
+         convention(:min(len(convention), 20))//"'; it must be one of xyz, xzy, yxz, yzx, zxy, "// &
+         "zyx, xyx, xzx, yxy, yzy, zxz, zyz")
+   end subroutine find_axes
+
+   !> `from_euler`, the convention as numbers of axes.
+   pure function attitude_of_euler(axes, angles) result(q)
+      integer, intent(in) :: axes(3)    !! of `euler_axes`, not zero
+      real(dp), intent(in) :: angles(3) !! radians, finite
+      real(dp) :: q(4)
+      q = quaternion_product(quaternion_product(turn(axes(1), angles(1)), &
+         turn(axes(2), angles(2))), turn(axes(3), angles(3)))
+   end function attitude_of_euler
+
+   !> A turn about one of the axes.
+   pure function turn(axis, angle) result(q)
+      integer, intent(in) :: axis
+      real(dp), intent(in) :: angle
+      real(dp) :: q(4)
+      q = 0
+      q(1) = cosine(angle/2)
+      q(1 + axis) = sine(angle/2)
+   end function turn
+
+   !> `to_euler`, the convention as numbers of axes.
    !>
-   !> The four sums q0 +- q2, q3 -+ q1 are cos or sin of (yaw -+ roll)/2 times cos(pitch/2) +-
-   !> sin(pitch/2), so all three angles come from atan2, to rounding, with no arcsine near 1 (the
-   !> idea of Bernardes and Viollet, PLoS ONE 17, 2022).
-   pure function to_euler_zyx(q) result(angles)
-      real(dp), intent(in) :: q(4) !! attitude, unit
-      real(dp) :: angles(3)        !! yaw in [-pi, pi], pitch in [-pi/2, pi/2], roll in [-pi, pi]
-      real(dp) :: plus, minus, half_sum, half_difference
-      minus = hypot(q(1) - q(3), q(2) + q(4))
-      plus = hypot(q(1) + q(3), q(4) - q(2))
-      half_sum = atan2(q(2) + q(4), q(1) - q(3))
-      half_difference = atan2(q(4) - q(2), q(1) + q(3))
-      angles(2) = pi/2 - 2*atan2(minus, plus)
-      if (minus <= lock_tolerance) then
-         angles(1) = 2*half_difference
-         angles(3) = 0
-      else if (plus <= lock_tolerance) then
-         angles(1) = 2*half_sum
-         angles(3) = 0
+   !> The components, or sums and differences of two, are cos and sin of (a1 + a3)/2 and of
+   !> (a1 - a3)/2 times cos and sin of half the second angle (from a quarter turn, if the three axes
+   !> differ). So all angles come from atan2, to rounding, with no arcsine near 1 (the idea of
+   !> Bernardes and Viollet, PLoS ONE 17, 2022).
+   pure function euler_of_attitude(axes, q) result(angles)
+      integer, intent(in) :: axes(3) !! of `euler_axes`, not zero
+      real(dp), intent(in) :: q(4)   !! attitude, unit
+      real(dp) :: angles(3)
+      real(dp) :: parity, plus(2), minus(2), half_sum, half_difference
+      integer :: i, j, k
+      i = 1 + axes(1)
+      j = 1 + axes(2)
+      k = 9 - i - j ! the axis that is neither
+      parity = merge(1._dp, -1._dp, modulo(j - i, 3) == 1)
+      if (axes(3) == axes(1)) then
+         plus = [q(1), q(i)]
+         minus = [q(j), parity*q(k)]
+         angles(2) = 2*arctangent(vector_norm(minus), vector_norm(plus))
       else
-         angles(1) = half_sum + half_difference
-         angles(3) = half_sum - half_difference
+         plus = [q(1) + parity*q(j), q(i) + q(k)]
+         minus = [q(1) - parity*q(j), q(i) - q(k)]
+         angles(2) = parity*(2*arctangent(vector_norm(plus), vector_norm(minus)) - pi/2)
       end if
-      angles(1) = wrapped(angles(1))
-      angles(3) = wrapped(angles(3))
-   end function to_euler_zyx
-
-   !> Attitude of the classical intrinsic z-x'-z'' angles of tops (precession, nutation, spin):
-   !> Q = R3(precession) R1(nutation) R3(spin).
-   pure function from_euler_zxz(angles) result(q)
-      real(dp), intent(in) :: angles(3) !! precession, nutation, spin in radians
-      real(dp) :: q(4)
-      real(dp) :: half_sum, half_difference
-      half_sum = (angles(1) + angles(3))/2
-      half_difference = (angles(1) - angles(3))/2
-      q(1) = cos(angles(2)/2)*cos(half_sum)
-      q(2) = sin(angles(2)/2)*cos(half_difference)
-      q(3) = sin(angles(2)/2)*sin(half_difference)
-      q(4) = cos(angles(2)/2)*sin(half_sum)
-   end function from_euler_zxz
-
-   !> Intrinsic z-x'-z'' angles of an attitude. In gimbal lock (nutation 0 or pi) only precession +-
-   !> spin is known: spin is 0.
-   pure function to_euler_zxz(q) result(angles)
-      real(dp), intent(in) :: q(4) !! attitude, unit
-      real(dp) :: angles(3)        !! precession in [-pi, pi], nutation in [0, pi], spin in [-pi,
-                                   !! pi]
-      real(dp) :: tilted, upright, half_sum, half_difference
-      tilted = hypot(q(2), q(3))
-      upright = hypot(q(1), q(4))
-      half_sum = atan2(q(4), q(1))
-      half_difference = atan2(q(3), q(2))
-      angles(2) = 2*atan2(tilted, upright)
-      if (tilted <= lock_tolerance) then
+      half_sum = arctangent(plus(2), plus(1))
+      half_difference = arctangent(minus(2), minus(1))
+      if (vector_norm(minus) <= lock_tolerance) then
          angles(1) = 2*half_sum
          angles(3) = 0
-      else if (upright <= lock_tolerance) then
+      else if (vector_norm(plus) <= lock_tolerance) then
          angles(1) = 2*half_difference
          angles(3) = 0
       else
@@ -212,7 +262,7 @@ contains
       end if
       angles(1) = wrapped(angles(1))
       angles(3) = wrapped(angles(3))
-   end function to_euler_zxz
+   end function euler_of_attitude
 
    !> The same attitude with a scalar part that is not negative; of a half-turn, with its first
    !> non-zero component positive.

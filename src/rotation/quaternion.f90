@@ -6,12 +6,14 @@
 module poinsot_rotation_quaternion
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
+   use poinsot_core_libm, only: arctangent, cosine, exponential, logarithm, sine
    use poinsot_core_status, only: poinsot_e_domain
    use poinsot_core_error, only: poinsot_error, raise
-   use poinsot_rotation_vector, only: cross, vector_norm, unit_vector, perpendicular
+   use poinsot_rotation_vector, only: cross, largest_exponent, perpendicular, unit_vector, &
+      vector_norm
    implicit none(type, external)
    private
-   public :: identity_quaternion, unit_tolerance, check_quaternion
+   public :: identity_quaternion, unit_tolerance, check_quaternion, is_attitude
    public :: quaternion_product, quaternion_conjugate, quaternion_inverse, &
       quaternion_norm, normalise
    public :: rotate, rotate_back, quaternion_exp, quaternion_log
@@ -34,18 +36,23 @@ contains
       real(dp), intent(in) :: q(4)                !! attitude, scalar first
       type(poinsot_error), intent(inout) :: error !! poinsot_e_domain
       character(160) :: text
-      real(dp) :: norm
+      if (is_attitude(q)) return
       if (.not. all(ieee_is_finite(q))) then
          call raise(error, poinsot_e_domain, "quaternion: a component is not finite")
          return
       end if
-      norm = huge(norm)
-      if (maxval(abs(q)) < 2) norm = quaternion_norm(q)
-      if (abs(norm - 1) <= unit_tolerance) return
       write (text, "(a, 4es14.6, a, es9.2)") "quaternion", q, &
          " is not an attitude: its norm must be 1 to within", unit_tolerance
       call raise(error, poinsot_e_domain, trim(text))
    end subroutine check_quaternion
+
+   !> Is it of unit norm to within `unit_tolerance`? Not so if a component is not finite.
+   pure logical function is_attitude(q)
+      real(dp), intent(in) :: q(4) !! any numbers
+      is_attitude = .false.
+      if (.not. all(ieee_is_finite(q))) return
+      if (maxval(abs(q)) < 2) is_attitude = abs(quaternion_norm(q) - 1) <= unit_tolerance
+   end function is_attitude
 
    !> Hamilton's product p o q. As rotations: first q, then p.
    pure function quaternion_product(p, q) result(r)
@@ -65,15 +72,22 @@ contains
       r = [q(1), -q(2), -q(3), -q(4)]
    end function quaternion_conjugate
 
-   !> conjugate(q)/|q|^2 at any scale where it is representable; zero, which has no inverse, gives
-   !> zero.
+   !> conjugate(q)/|q|^2 at any scale; zero, which has no inverse, gives zero, and so does a q so
+   !> small (|q| below 1e-308) that its inverse is out of range.
    pure function quaternion_inverse(q) result(r)
-      real(dp), intent(in) :: q(4) !! finite, |q| between 1e-307 and 1e307
+      real(dp), intent(in) :: q(4) !! finite
       real(dp) :: r(4)
-      real(dp) :: norm
-      norm = quaternion_norm(q)
+      integer :: e
       r = 0
-      if (norm > 0) r = quaternion_conjugate(normalise(q))/norm
+      if (maxval(abs(q)) <= 0) return
+      e = largest_exponent(q)
+      r = scale(q, -e)
+      r = quaternion_conjugate(r)/sum(r**2)
+      if (largest_exponent(r) - e > maxexponent(1._dp)) then
+         r = 0
+      else
+         r = scale(r, -e)
+      end if
    end function quaternion_inverse
 
    !> |q|, without overflow or underflow of the squares.
@@ -112,13 +126,13 @@ contains
    !> exp(q) = e**q0 (cos|v| + sin|v| v/|v|), v the vector part. A turn by the rotation vector w is
    !> exp((0, w/2)).
    pure function quaternion_exp(q) result(r)
-      real(dp), intent(in) :: q(4) !! finite; q0 at most 709
+      real(dp), intent(in) :: q(4) !! finite; q0 at most 709.78, |v| at most 1e308
       real(dp) :: r(4)
       real(dp) :: angle
       angle = vector_norm(q(2:4))
-      r(1) = cos(angle)
-      r(2:4) = sin(angle)*unit_vector(q(2:4))
-      r = exp(q(1))*r
+      r(1) = cosine(angle)
+      r(2:4) = sine(angle)*unit_vector(q(2:4))
+      r = exponential(q(1))*r
    end function quaternion_exp
 
    !> Principal logarithm, log|q| + v/|v| atan2(|v|, q0); its vector part has length at most pi. A
@@ -126,37 +140,35 @@ contains
    pure function quaternion_log(q) result(r)
       real(dp), intent(in) :: q(4) !! finite
       real(dp) :: r(4)
-      real(dp) :: norm, vector_length
-      norm = quaternion_norm(q)
-      vector_length = vector_norm(q(2:4))
-      r = [-huge(norm), 0._dp, 0._dp, 0._dp]
-      if (norm > 0) r(1) = log(norm)
-      if (vector_length > 0) then
-         r(2:4) = atan2(vector_length, q(1))*unit_vector(q(2:4))
+      real(dp), parameter :: ln2 = log(2._dp)
+      integer :: e
+      r = [-huge(r), 0._dp, 0._dp, 0._dp]
+      if (maxval(abs(q)) <= 0) return
+      e = largest_exponent(q)
+      if (abs(e) < 1000) e = 0
+      r(1) = logarithm(quaternion_norm(scale(q, -e))) + e*ln2
+      if (maxval(abs(q(2:4))) > 0) then
+         r(2:4) = arctangent(vector_norm(scale(q(2:4), -e)), scale(q(1), -e))*unit_vector(q(2:4))
       else if (q(1) < 0) then
          r(2) = pi
       end if
    end function quaternion_log
 
    !> Constant turn from p (t = 0) to q (t = 1) the shorter way round, whatever the signs of p and q
-   !> (K. Shoemake, SIGGRAPH 1985). t outside [0, 1] goes on turning. The result is a unit
-   !> quaternion.
+   !> (K. Shoemake, SIGGRAPH 1985). t outside [0, 1] goes on turning, however small the angle
+   !> between p and q is. The result is a unit quaternion, with the sign of p.
    pure function slerp(p, q, t) result(r)
       real(dp), intent(in) :: p(4) !! first attitude, unit
       real(dp), intent(in) :: q(4) !! second attitude, unit
-      real(dp), intent(in) :: t    !! how far
+      real(dp), intent(in) :: t    !! how far, |t| at most 1e308
       real(dp) :: r(4)
-      real(dp) :: near(4), angle, sine
+      real(dp) :: near(4), across(4), angle
       near = q
       if (dot_product(p, q) < 0) near = -q
-      angle = 2*atan2(vector_norm(near - p), vector_norm(near + p))
-      sine = sin(angle)
-      if (sine > 1e-8_dp) then
-         r = (sin((1 - t)*angle)/sine)*p + (sin(t*angle)/sine)*near
-      else ! sin(t x)/sin(x) = t to within x**2
-         r = (1 - t)*p + t*near
-      end if
-      r = normalise(r)
+      across = near - p ! exact for a small angle; then what of it is normal to p
+      across = across - (dot_product(across, p)/dot_product(p, p))*p
+      angle = arctangent(vector_norm(across)*vector_norm(p), dot_product(p, near))
+      r = normalise(cosine(t*angle)*normalise(p) + sine(t*angle)*unit_vector(across))
    end function slerp
 
    !> The smallest turn that takes direction a to direction b. Opposite directions have many: then a
@@ -207,7 +219,7 @@ contains
       real(dp) :: apart, opposite
       apart = vector_norm(q - p)
       opposite = vector_norm(q + p)
-      attitude_angle = 4*atan2(min(apart, opposite), max(apart, opposite))
+      attitude_angle = 4*arctangent(min(apart, opposite), max(apart, opposite))
    end function attitude_angle
 
 end module poinsot_rotation_quaternion

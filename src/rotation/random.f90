@@ -6,6 +6,7 @@
 !> nothing wraps.
 module poinsot_rotation_random
    use poinsot_core_kinds, only: dp, i4, i8
+   use poinsot_core_libm, only: cosine, logarithm, sine
    use poinsot_rotation_vector, only: unit_vector
    use poinsot_rotation_quaternion, only: normalise
    implicit none(type, external)
@@ -104,7 +105,7 @@ contains
       real(dp) :: g(2)
       real(dp) :: u(2)
       u = random_uniform(seed, id, step, stream)
-      g = sqrt(-2*log(u(1)))*[cos(two_pi*u(2)), sin(two_pi*u(2))]
+      g = sqrt(-2*logarithm(u(1)))*[cosine(two_pi*u(2)), sine(two_pi*u(2))]
    end function random_gaussian
 
    !> An attitude, uniform over all rotations (K. Shoemake, Graphics Gems III, 1992).
@@ -115,8 +116,8 @@ contains
       real(dp) :: u(2), turn(2)
       u = random_uniform(seed, id, 0_i8, stream_attitude)
       turn = two_pi*random_uniform(seed, id, 0_i8, stream_attitude + 1_i4)
-      q(1:2) = sqrt(1 - u(1))*[sin(turn(1)), cos(turn(1))]
-      q(3:4) = sqrt(u(1))*[sin(turn(2)), cos(turn(2))]
+      q(1:2) = sqrt(1 - u(1))*[sine(turn(1)), cosine(turn(1))]
+      q(3:4) = sqrt(u(1))*[sine(turn(2)), cosine(turn(2))]
       q = normalise(q)
    end function random_quaternion
 
@@ -128,7 +129,7 @@ contains
       real(dp) :: u(2), z
       u = random_uniform(seed, id, 0_i8, stream_direction)
       z = 2*u(1) - 1
-      v = unit_vector([sqrt((1 - z)*(1 + z))*[cos(two_pi*u(2)), sin(two_pi*u(2))], z])
+      v = unit_vector([sqrt((1 - z)*(1 + z))*[cosine(two_pi*u(2)), sine(two_pi*u(2))], z])
    end function random_direction
 
 end module poinsot_rotation_random

@@ -9,8 +9,8 @@
 !> y3.
 module poinsot_rotation_review
    use poinsot_core_kinds, only: dp
-   use poinsot_rotation_vector, only: vector_norm
-   use poinsot_rotation_conversions, only: to_matrix
+   use poinsot_core_libm, only: cosine, sine
+   use poinsot_rotation_conversions, only: from_rotation_vector, to_matrix
    implicit none(type, external)
    private
    public :: quaternion_u, quaternion_v, quaternion_a, matrix_u, matrix_v, matrix_a
@@ -21,14 +21,14 @@ contains
    pure function quaternion_u(theta) result(q)
       real(dp), intent(in) :: theta !! angle in radians
       real(dp) :: q(4)
-      q = [cos(theta/2), -sin(theta/2), 0._dp, 0._dp]
+      q = [cosine(theta/2), -sine(theta/2), 0._dp, 0._dp]
    end function quaternion_u
 
    !> The review's v(theta) = cos(theta/2) - k sin(theta/2).
    pure function quaternion_v(theta) result(q)
       real(dp), intent(in) :: theta !! angle in radians
       real(dp) :: q(4)
-      q = [cos(theta/2), 0._dp, 0._dp, -sin(theta/2)]
+      q = [cosine(theta/2), 0._dp, 0._dp, -sine(theta/2)]
    end function quaternion_v
 
    !> The review's a(omega) = cos(|omega|/2) + sin(|omega|/2) omega/|omega|, the quaternion of
@@ -36,11 +36,7 @@ contains
    pure function quaternion_a(omega) result(q)
       real(dp), intent(in) :: omega(3) !! rotation vector in radians, any length
       real(dp) :: q(4)
-      real(dp) :: angle, factor
-      angle = vector_norm(omega)
-      factor = 0.5_dp ! sin(x/2)/x to within x**2/24
-      if (angle > 1e-8_dp) factor = sin(angle/2)/angle
-      q = [cos(angle/2), factor*omega]
+      q = from_rotation_vector(omega)
    end function quaternion_a
 
    !> The review's U(theta): rows (1, 0, 0), (0, c, s), (0, -s, c).
@@ -48,16 +44,16 @@ contains
       real(dp), intent(in) :: theta !! angle in radians
       real(dp) :: matrix(3, 3)
       matrix(:, 1) = [1._dp, 0._dp, 0._dp]
-      matrix(:, 2) = [0._dp, cos(theta), -sin(theta)]
-      matrix(:, 3) = [0._dp, sin(theta), cos(theta)]
+      matrix(:, 2) = [0._dp, cosine(theta), -sine(theta)]
+      matrix(:, 3) = [0._dp, sine(theta), cosine(theta)]
    end function matrix_u
 
    !> The review's V(theta): rows (c, s, 0), (-s, c, 0), (0, 0, 1).
    pure function matrix_v(theta) result(matrix)
       real(dp), intent(in) :: theta !! angle in radians
       real(dp) :: matrix(3, 3)
-      matrix(:, 1) = [cos(theta), -sin(theta), 0._dp]
-      matrix(:, 2) = [sin(theta), cos(theta), 0._dp]
+      matrix(:, 1) = [cosine(theta), -sine(theta), 0._dp]
+      matrix(:, 2) = [sine(theta), cosine(theta), 0._dp]
       matrix(:, 3) = [0._dp, 0._dp, 1._dp]
    end function matrix_v
 

@@ -4,6 +4,7 @@
 !> range where squares fit, the vector is scaled by a power of two, which costs no digit.
 module poinsot_rotation_vector
    use poinsot_core_kinds, only: dp
+   use poinsot_core_libm, only: arctangent
    implicit none(type, external)
    private
    public :: cross, vector_norm, unit_vector, perpendicular, angle_between
@@ -94,7 +95,7 @@ contains
       v = unit_vector(b)
       angle_between = 0
       if (maxval(abs(u)) > 0 .and. maxval(abs(v)) > 0) then
-         angle_between = 2*atan2(vector_norm(u - v), vector_norm(u + v))
+         angle_between = 2*arctangent(vector_norm(u - v), vector_norm(u + v))
       end if
    end function angle_between
 

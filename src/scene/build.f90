@@ -3,7 +3,7 @@ module poinsot_scene_build
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_effect_settings, only: effect_info, setting
    use poinsot_scene_text, only: text_of, quoted
    use poinsot_scene_source, only: scene_source, find_group, reject
@@ -66,8 +66,8 @@ contains
       do i = 1, source%count
          if (.not. any(known == source%groups(i)%name)) then
             call reject(error, source%file, source%groups(i)%line, "unknown group " // &
-                        quoted("&" // source%groups(i)%name) // "; the nearest known group " // &
-                        "is ""&" // nearest_name(source%groups(i)%name, known) // """")
+                        quoted("&" // source%groups(i)%name) // &
+                        suggestion(source%groups(i)%name, known, """&", """"))
             return
          end if
          first = find_group(source, source%groups(i)%name)
@@ -139,9 +139,8 @@ contains
       end if
       if (any(known == name)) return
       call reject_key(group, key, "= " // quoted(name) // ": unknown " // key // &
-                    "; the nearest known one is """ // &
-                    nearest_name(name(:min(len(name), 60)), known) // """ (poinsot " // key // &
-                    "s shows all)", error)
+                    suggestion(name, known, """", """") // " (poinsot " // key // "s shows all)", &
+                    error)
    end subroutine check_name
 
    !> All &bodies groups.

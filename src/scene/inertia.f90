@@ -6,7 +6,7 @@ module poinsot_scene_inertia
    use poinsot_body_moments, only: check_moments
    use poinsot_body_inertia, only: principal_axes
    use poinsot_body_shapes, only: shape_moments, shape_names, shape_sizes
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_scene_text, only: quoted
    use poinsot_scene_settings, only: body_group
    use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
@@ -72,8 +72,8 @@ contains
       name = word_of(group, "shape")
       if (shape_sizes(name) < 0) then
          call reject_key(group, "shape", &
-                       "= " // quoted(name) // ": unknown shape; the nearest known one is """ // &
-                       nearest_name(name(:min(len(name), 60)), shape_names()) // """", error)
+                       "= " // quoted(name) // ": unknown shape" // &
+                       suggestion(name, shape_names(), """", """"), error)
          return
       end if
       call numbers_of(group, "size", values)

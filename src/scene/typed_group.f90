@@ -3,7 +3,7 @@
 module poinsot_scene_typed_group
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_effect_settings, only: effect_info, effect_key, setting
    use poinsot_scene_text, only: text_of, quoted
    use poinsot_scene_source, only: scene_value, scene_entry, scene_group, reject, &
@@ -47,8 +47,8 @@ contains
          k = find_key(info, group%entries(i)%key)
          if (k == 0) then
             call reject(error, file, group%entries(i)%line, "&" // group%name // &
-                        ": unknown key " // quoted(group%entries(i)%key) // "; the nearest " // &
-                        "known key is """ // nearest_key(info, group%entries(i)%key) // """")
+                        ": unknown key " // quoted(group%entries(i)%key) // &
+                        key_suggestion(info, group%entries(i)%key))
             return
          end if
          here = 0
@@ -226,17 +226,17 @@ contains
       if (key%most /= 1) text = text // "s"
    end function count_text
 
-   pure function nearest_key(info, name) result(nearest)
+   pure function key_suggestion(info, name) result(text)
       type(effect_info), intent(in) :: info
       character(*), intent(in) :: name
-      character(:), allocatable :: nearest
+      character(:), allocatable :: text
       character(len(info%keys%name)) :: names(size(info%keys))
       integer :: k
       do k = 1, size(names)
          names(k) = info%keys(k)%name
       end do
-      nearest = nearest_name(name, names)
-   end function nearest_key
+      text = suggestion(name, names, """", """")
+   end function key_suggestion
 
    pure integer function find_key(info, name) result(k)
       type(effect_info), intent(in) :: info

@@ -3,7 +3,7 @@ module poinsot_splitting_registry
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_splitting_tableaux, only: splitting, splitting_names => scheme_names, &
       scheme_count, scheme_row
    implicit none(type, external)
@@ -43,8 +43,8 @@ contains
          scheme = scheme_row(i)
          return
       end do
-      call raise(error, poinsot_e_method, "unknown splitting '" // trim(name) // &
-                 "'; the nearest known name is '" // nearest_name(name, names) // "'")
+      call raise(error, poinsot_e_method, "unknown splitting '" // trim(name) // "'" // &
+                 suggestion(name, names))
    end subroutine find_splitting
 
    !> One step of a splitting as pairs of flows, for a host that moves more than attitudes and so

@@ -2,7 +2,7 @@
 module poinsot_study_candidates
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_core_status, only: poinsot_e_method
    use poinsot_effect_effect, only: flow_effect
    use poinsot_effect_settings, only: effect_info
@@ -201,8 +201,7 @@ contains
       do i = 1, size(names)
          if (raised(error) .or. any(all == names(i))) cycle
          call raise(error, poinsot_e_method, "unknown " // what // " " // &
-            quoted(trim(names(i))) // &
-                    "; the nearest known one is """ // nearest_name(trim(names(i)), all) // """")
+            quoted(trim(names(i))) // suggestion(names(i), all, """", """"))
       end do
    end subroutine check_known
 

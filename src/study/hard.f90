@@ -3,7 +3,7 @@
 module poinsot_study_hard
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_nearest, only: nearest_name
+   use poinsot_core_nearest, only: suggestion
    use poinsot_core_status, only: poinsot_e_convergence, poinsot_e_method
    use poinsot_free_method, only: method_count, method_name
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
@@ -76,7 +76,7 @@ contains
       end do
       if (any(names == only)) return
       call raise(error, poinsot_e_method, "hard: there is no case, method or splitting '"//only// &
-         "'; the nearest known name is '"//nearest_name(only(:min(len(only), 60)), names)//"'")
+         "'"//suggestion(only, names))
    end subroutine check_name
 
    ! Tables

@@ -1,0 +1,50 @@
+!> Elementary functions of one number, from the C library.
+!>
+!> Of the intrinsic ones gfortran may make calls of a vector library, which is up to 4 units in the
+!> last place off and gives other bits for an element at the end of an array. These it cannot: a
+!> number gives the same bits wherever it stands. Within 1 ulp, in every rounding mode; no exception
+!> but underflow on the arguments that they are for.
+module poinsot_core_libm
+   use, intrinsic :: iso_c_binding, only: c_double
+   implicit none(type, external)
+   private
+   public :: sine, cosine, arctangent, exponential, logarithm
+
+   interface
+      !> sin(x), x in radians, of any finite size.
+      pure real(c_double) function sine(x) bind(c, name="sin")
+         import :: c_double
+         implicit none(type, external)
+         real(c_double), intent(in), value :: x
+      end function sine
+
+      !> cos(x), x in radians, of any finite size.
+      pure real(c_double) function cosine(x) bind(c, name="cos")
+         import :: c_double
+         implicit none(type, external)
+         real(c_double), intent(in), value :: x
+      end function cosine
+
+      !> Angle of the point (x, y) in [-pi, pi].
+      pure real(c_double) function arctangent(y, x) bind(c, name="atan2")
+         import :: c_double
+         implicit none(type, external)
+         real(c_double), intent(in), value :: y, x
+      end function arctangent
+
+      !> e**x, x at most 709.78.
+      pure real(c_double) function exponential(x) bind(c, name="exp")
+         import :: c_double
+         implicit none(type, external)
+         real(c_double), intent(in), value :: x
+      end function exponential
+
+      !> Natural logarithm of a positive x.
+      pure real(c_double) function logarithm(x) bind(c, name="log")
+         import :: c_double
+         implicit none(type, external)
+         real(c_double), intent(in), value :: x
+      end function logarithm
+   end interface
+
+end module poinsot_core_libm
