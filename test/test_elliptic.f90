@@ -544,7 +544,7 @@ contains
    !> NaN where it should be and nowhere else; no exception in either case.
    subroutine test_jacobi_domain(error)
       type(error_type), allocatable, intent(out) :: error
-      real(dp) :: nan, inf, u(12), m(12), sn(12), cn(12), dn(12)
+      real(dp) :: nan, inf, u(12), m(12), sn(12), cn(12), dn(12), am
       logical :: wrong(12)
       integer :: i
       nan = ieee_value(nan, ieee_quiet_nan)
@@ -563,6 +563,13 @@ contains
             "NaN in the wrong place")
          if (allocated(error)) return
          if (.not. wrong(i)) call check_below(error, abs(sn(i)), 1.0_dp, "sn beyond 1")
+         if (allocated(error)) return
+         call jacobi_functions(u(i), m(i), sn(i), cn(i), dn(i))
+         am = jacobi_am(u(i), m(i))
+         call check(error, all([is_nan(sn(i)), is_nan(cn(i)), is_nan(dn(i)), is_nan(am)] .eqv. &
+            wrong(i)), "NaN in the wrong place of the scalar forms")
+         if (allocated(error)) return
+         call check_flags(error, "jacobi_functions")
          if (allocated(error)) return
       end do
    end subroutine test_jacobi_domain

@@ -6,7 +6,7 @@
 !> (1 + |am|). An element whose u, m or m1 is out of its domain, infinite or NaN gives NaN, without
 !> an exception; so does every element while the thread does not round to nearest.
 module poinsot_elliptic_jacobi
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_elliptic_elementary, only: atan2_block
@@ -50,12 +50,14 @@ contains
       real(dp), intent(out), contiguous :: cn(:) !! cn(u | m)
       real(dp), intent(out), contiguous :: dn(:) !! dn(u | m)
       real(dp), dimension(lanes) :: s, c, d, turns
+      integer(i8) :: outside(lanes)
       integer :: first, n, total
       total = min(size(u), size(m), size(m1), size(sn), size(cn), size(dn))
       do first = 1, total, lanes
          n = min(lanes, total - first + 1)
-         call take(n, u(first:), m(first:), m1(first:), s, c, d, turns)
+         call take(n, u(first:), m(first:), m1(first:), s, c, d, turns, outside)
          call unfold(turns, s, c)
+         call blank(outside, s, c, d)
          sn(first:first + n - 1) = s(1:n)
          cn(first:first + n - 1) = c(1:n)
          dn(first:first + n - 1) = d(1:n)
@@ -69,13 +71,16 @@ contains
       real(dp), intent(in), contiguous :: m1(:)  !! 1 - m: the smaller of both is used
       real(dp), intent(out), contiguous :: am(:) !! am(u | m), radians
       real(dp), dimension(lanes) :: s, c, d, turns, a
+      integer(i8) :: outside(lanes)
       integer :: first, n, total
       total = min(size(u), size(m), size(m1), size(am))
       do first = 1, total, lanes
          n = min(lanes, total - first + 1)
-         call take(n, u(first:), m(first:), m1(first:), s, c, d, turns)
+         call take(n, u(first:), m(first:), m1(first:), s, c, d, turns, outside)
          call atan2_block(s, c, a)
-         am(first:first + n - 1) = a(1:n) + turns(1:n)*pi
+         a = a + turns*pi
+         call blank(outside, a)
+         am(first:first + n - 1) = a(1:n)
       end do
    end subroutine jacobi_am_array
 
@@ -86,27 +91,32 @@ contains
       real(dp), intent(in), optional :: m1
       real(dp), dimension(1) :: us, ms, m1s
       real(dp), dimension(lanes) :: s, c, d, turns, a
+      integer(i8) :: outside(lanes)
       us = u
       ms = m
-      m1s = 1.0_dp - m
+      m1s = m
+      if (ieee_is_finite(m)) m1s = 1.0_dp - m
       if (present(m1)) m1s = m1
-      call take(1, us, ms, m1s, s, c, d, turns)
+      call take(1, us, ms, m1s, s, c, d, turns, outside)
       call atan2_block(s, c, a)
-      am = a(1) + turns(1)*pi
+      a = a + turns*pi
       call unfold(turns, s, c)
+      call blank(outside, s, c, d)
+      call blank(outside, a)
+      am = a(1)
       sn = s(1)
       cn = c(1)
       dn = d(1)
    end subroutine one
 
-   !> Fill a block from n elements, and evaluate it; elements out of the domain come back as NaN.
-   pure subroutine take(n, u, m, m1, s, c, d, turns)
+   !> Fill a block from n elements, and evaluate it; elements out of the domain as u = 0, m = 0.
+   pure subroutine take(n, u, m, m1, s, c, d, turns, outside)
       integer, intent(in) :: n
       real(dp), intent(in), contiguous :: u(:), m(:), m1(:)
       real(dp), intent(out), dimension(lanes) :: s, c, d, turns
+      integer(i8), intent(out) :: outside(lanes) !! not 0: out of the domain
       real(dp), dimension(lanes) :: ub, mb, m1b
-      real(dp) :: nan
-      integer(i8) :: outside(lanes), all_outside
+      integer(i8) :: all_outside
       ub(1:n) = u(1:n)
       mb(1:n) = m(1:n)
       m1b(1:n) = m1(1:n)
@@ -126,16 +136,24 @@ contains
          end where
       end if
       call jacobi_block(ub, mb, m1b, s, c, d, turns)
-      if (all_outside /= 0_i8) then
-         nan = ieee_value(nan, ieee_quiet_nan)
-         where (outside /= 0_i8)
-            s = nan
-            c = nan
-            d = nan
-            turns = 0.0_dp
-         end where
-      end if
    end subroutine take
+
+   !> NaN for the elements out of the domain.
+   pure subroutine blank(outside, a, b, c)
+      integer(i8), intent(in) :: outside(lanes)
+      real(dp), intent(inout) :: a(lanes)
+      real(dp), intent(inout), optional :: b(lanes), c(lanes)
+      real(dp) :: nan
+      if (all(outside == 0_i8)) return
+      nan = ieee_value(nan, ieee_quiet_nan)
+      where (outside /= 0_i8) a = nan
+      if (present(b)) then
+         where (outside /= 0_i8) b = nan
+      end if
+      if (present(c)) then
+         where (outside /= 0_i8) c = nan
+      end if
+   end subroutine blank
 
    !> Lanes out of the domain, by the bits of their numbers: a NaN must not meet a comparison.
    pure subroutine find_outside(u, m, m1, outside, all_outside)
