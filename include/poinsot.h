@@ -84,11 +84,14 @@ poinsot_status poinsot_splitting_flows(const char *name, size_t capacity, double
 
 typedef struct poinsot_body poinsot_body;
 
-/* A body from principal moments, zero or positive, the largest at most the sum of the others (to rounding).
- * POINSOT_E_DOMAIN for others. *body is NULL after a failure. */
+/* A body from principal moments, zero or positive. Few digits are enough: the largest may exceed the sum of the others by
+ * 1e-3 of itself, and is used as it is; beside a zero moment (or one of at most 1e-10 of the largest, if they differ by more
+ * than it) two that differ by up to 1e-5 become their mean. POINSOT_E_DOMAIN for others. *body is NULL after a failure. */
 poinsot_status poinsot_body_create(const double moments[3], poinsot_body **body);
 
-/* A body from its inertia tensor in any frame, row-major, symmetric. The principal axes come back as the columns of the
+/* A body from its inertia tensor in any frame, row-major, symmetric to 1e-6 of its largest entry. A moment that is, relative
+ * to the largest, from -1e-6 to 1e-10 is zero, and up to 1e-6 if the entries have few digits (not quite symmetric, or all of
+ * them numbers of single precision); those of a diagonal tensor are its entries. The principal axes come back as the columns of the
  * rotation `axes` (row-major; may be NULL): x_given = axes x_principal. y and q of the body refer to the principal frame. */
 poinsot_status poinsot_body_create_tensor(const double inertia[9], poinsot_body **body, double axes[9]);
 

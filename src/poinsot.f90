@@ -95,24 +95,26 @@ contains
    end function admitted
 
    !> A body from its principal moments.
-   subroutine poinsot_body_create(moments, body, error)
+   subroutine poinsot_body_create(moments, body, error, physical)
       real(dp), intent(in) :: moments(3)            !! any order, any unit
       type(poinsot_body), intent(inout) :: body
       type(poinsot_error), intent(inout) :: error   !! POINSOT_E_DOMAIN for unphysical moments
-      if (admitted(error)) call make_class(moments, body, error)
+      logical, intent(in), optional :: physical     !! .false.: any that are zero or positive
+      if (admitted(error)) call make_class(moments, body, error, physical)
    end subroutine poinsot_body_create
 
    !> A body from its inertia tensor in any frame, and the rotation whose columns are the principal
    !> axes.
-   subroutine poinsot_body_create_tensor(inertia, body, axes, error)
+   subroutine poinsot_body_create_tensor(inertia, body, axes, error, physical)
       real(dp), intent(in) :: inertia(3, 3)
       type(poinsot_body), intent(inout) :: body
       real(dp), intent(inout) :: axes(3, 3)         !! x_given = matmul(axes, x_principal)
       type(poinsot_error), intent(inout) :: error
+      logical, intent(in), optional :: physical     !! .false.: any moments that are zero or positive
       real(dp) :: moments(3)
       if (.not. admitted(error)) return
-      call principal_axes(inertia, moments, axes, error)
-      if (.not. raised(error)) call make_class(moments, body, error)
+      call principal_axes(inertia, moments, axes, error, physical)
+      if (.not. raised(error)) call make_class(moments, body, error, physical)
    end subroutine poinsot_body_create_tensor
 
    !> Free steps of n bodies of one kind, in place.

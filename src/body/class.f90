@@ -9,7 +9,7 @@ module poinsot_body_class
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_body_moments, only: check_moments, moment_tolerance
+   use poinsot_body_moments, only: accept_moments, moment_tolerance
    use poinsot_body_series, only: max_degree, degree_bound, correction_series
    use poinsot_body_economy, only: last_kept, economised, economy_bound
    use poinsot_body_universal, only: universal_bound, economy_range, sine_error
@@ -53,28 +53,31 @@ module poinsot_body_class
 contains
 
    !> Work out a body class. POINSOT_E_DOMAIN if the moments are not finite, negative or unphysical.
-   !> With `physical = .false.` moments that no mass has (the largest above the sum of the others)
-   !> are taken all the same: Euler's equations have them, and so do published examples.
+   !> With `physical = .false.` moments that no mass has (the largest above the sum of the others,
+   !> or zeros) are taken all the same: Euler's equations have them, and so do published examples.
    pure subroutine make_class(moments, class, error, physical)
       real(dp), intent(in) :: moments(3)         !! principal moments, any order, any unit
       type(body_class), intent(out) :: class     !! constants for the kernels
       type(poinsot_error), intent(inout) :: error !! which moment is wrong, and why
       logical, intent(in), optional :: physical   !! default .true.
-      real(dp) :: i1, i2, i3, top
+      real(dp) :: accepted(3), i1, i2, i3, top
       logical :: body
 
-      call check_moments(moments, error, physical)
+      accepted = moments
+      call accept_moments(accepted, error, physical)
       if (raised(error)) return
-      class%moments = moments
+      class%moments = accepted
       class%inverse = 0
       class%limit = 1e270_dp
-      where (moments > 0)
-         class%inverse = 1/moments
-         class%limit = fastest*min(moments, 1e200_dp)
+      where (accepted > 0)
+         class%inverse = 1/accepted
+         class%limit = fastest*min(accepted, 1e200_dp)
       end where
-      call sort(moments, class%order, class%parity)
-      class%scale = scale(1.0_dp, exponent(maxval(moments)) - 1)
-      class%sorted = moments(class%order)/class%scale
+      call sort(accepted, class%order, class%parity)
+      class%scale = scale(1.0_dp, exponent(maxval(accepted)) - 1)
+      class%sorted = accepted(class%order)/class%scale
+      ! what has no inertia about two axes, or three, turns about the last alone: as a line does
+      if (class%sorted(2) <= 0) class%sorted(2:) = max(class%sorted(3), 1.0_dp)
       i1 = class%sorted(1)
       i2 = class%sorted(2)
       i3 = class%sorted(3)

@@ -4,18 +4,23 @@
 !> power of two, which costs no digit), so tensors of 1e-46 and of 1e+150 come out alike.
 module poinsot_body_inertia
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, i8
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size, poinsot_e_convergence
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_rotation_vector, only: cross, unit_vector, identity_matrix, largest_exponent
-   use poinsot_body_moments, only: check_moments, moment_tolerance
+   use poinsot_body_moments, only: accept_moments, relative_text, moment_tolerance
    implicit none(type, external)
    private
    public :: principal_axes, point_mass_tensor, parallel_axis, tensor_of_axes
 
-   !> How far a tensor may be from symmetric, relative to its largest entry: what decimals in a file
-   !> lose.
-   real(dp), parameter :: symmetry_tolerance = 1e-10_dp
+   !> How far a tensor may be from symmetric, relative to its largest entry: what single precision and
+   !> decimals in a file lose.
+   real(dp), parameter :: symmetry_tolerance = 1e-6_dp
+
+   !> Eigenvalues of a tensor that count as zero, relative to the largest: either side if its entries
+   !> have few digits, else what rounding and cancelled decimals leave.
+   real(dp), parameter :: zero_of_few_digits = 1e-6_dp
+   real(dp), parameter :: least_zero = -1e-6_dp, greatest_zero = 1e-10_dp
 
    !> Binary exponents between which a tensor's largest entry must lie.
    integer, parameter :: least_exponent = -1000, greatest_exponent = 1000
@@ -40,11 +45,14 @@ contains
    !> Moments ascend. The axes are right-handed and always the same ones: the component of largest
    !> size of the first two is positive; where moments are equal (to 32 eps) and the axes therefore
    !> free, they lie as near the given axes as they can (for three equal moments, they are the given
-   !> axes). Of a diagonal tensor the moments are its entries, to the bit; of any other, a smallest
-   !> moment that is zero to round-off becomes zero and the other two equal, and a largest one that
-   !> exceeds the sum of the others by round-off becomes that sum. An attitude Q of the given frame
-   !> becomes Q axes, that of the principal frame.
-   subroutine principal_axes(tensor, moments, axes, error)
+   !> axes). An attitude Q of the given frame becomes Q axes, that of the principal frame.
+   !>
+   !> Asymmetry up to 1e-6 of the largest entry is taken as rounding: the mean counts. Entries of a
+   !> diagonal tensor are its moments, to the bit. Of any other tensor a moment from -1e-6 to 1e-10
+   !> of the largest is zero (to 1e-6 if its entries have few digits: not symmetric, or all of them
+   !> single precision), and a largest one that exceeds the sum of the others by round-off becomes
+   !> that sum. Then what `accept_moments` says of moments holds.
+   subroutine principal_axes(tensor, moments, axes, error, physical)
       real(dp), intent(in) :: tensor(3, 3)        !! symmetric, about the point the body turns
                                                   !! about, any unit
       real(dp), intent(out) :: moments(3)         !! ascending, in the unit of the tensor; 0 if
@@ -53,6 +61,7 @@ contains
                                                   !! identity if refused
       type(poinsot_error), intent(inout) :: error !! poinsot_e_domain if the tensor is not finite,
                                                   !! not symmetric, or no body's
+      logical, intent(in), optional :: physical   !! as of `accept_moments`
       real(dp) :: work(64)
       integer :: e, info
       logical :: diagonal
@@ -65,23 +74,27 @@ contains
       axes = scale(tensor/2 + transpose(tensor)/2, -e)
       call dsyev("V", "U", 3, axes, 3, moments, work, size(work), info)
       if (info == 0) then
-         if (.not. diagonal) call clean_moments(moments)
-         call settle_axes(moments, axes)
+         if (.not. diagonal) call clean_moments(has_few_digits(tensor), moments)
          moments = scale(moments, e)
-         call check_moments(moments, error)
+         call accept_moments(moments, error, physical)
       else
          call raise(error, poinsot_e_convergence, "inertia tensor: LAPACK's dsyev did not converge")
       end if
-      if (.not. raised(error)) return
-      moments = 0
-      axes = identity_matrix
+      if (raised(error)) then
+         if (info == 0) error%message = "inertia tensor, principal " // error%message
+         moments = 0
+         axes = identity_matrix
+      else
+         call settle_axes(moments, axes)
+      end if
    end subroutine principal_axes
 
    !> Refuse what is not even a symmetric matrix of workable size.
    pure subroutine check_tensor(tensor, error)
       real(dp), intent(in) :: tensor(3, 3)
       type(poinsot_error), intent(inout) :: error
-      character(96) :: text
+      character(64) :: text
+      real(dp) :: largest
       integer :: i, j, e
       if (.not. all(ieee_is_finite(tensor))) then
          call raise(error, poinsot_e_domain, "inertia tensor: an entry is not finite")
@@ -96,28 +109,42 @@ contains
             "inertia tensor: entries beyond 1e-300 to 1e+300; use other units")
       end if
       if (raised(error)) return
+      largest = maxval(abs(tensor))
       do i = 1, 3
          do j = i + 1, 3
-            if (abs(tensor(i, j) - tensor(j, i)) <= symmetry_tolerance*maxval(abs(tensor))) cycle
-            write (text, "(5(a, i0))") "inertia tensor: not symmetric, entries (", i, ",", j, &
-               ") and (", j, ",", i, ") differ"
-            call raise(error, poinsot_e_domain, trim(text))
+            if (abs(tensor(i, j) - tensor(j, i)) <= symmetry_tolerance*largest) cycle
+            write (text, "(4(a, i0))") "entries (", i, ",", j, ") and (", j, ",", i
+            call raise(error, poinsot_e_domain, "inertia tensor: not symmetric, " // trim(text) // &
+               ") differ by " // relative_text(abs(tensor(i, j)/2 - tensor(j, i)/2), largest/2) // &
+               " of the largest entry; up to 1e-6 is taken as rounding")
             return
          end do
       end do
    end subroutine check_tensor
 
+   !> Do the entries have few digits: is the tensor not symmetric, or every entry a number of single
+   !> precision (24 bits; its exponent may be any)?
+   pure logical function has_few_digits(tensor)
+      real(dp), intent(in) :: tensor(3, 3)
+      integer, parameter :: more_bits = digits(1._dp) - 24
+      has_few_digits = maxval(abs(tensor - transpose(tensor))) > 0
+      if (.not. has_few_digits) has_few_digits = all(ibits(transfer(tensor, 0_i8, 9), 0, &
+                                                           more_bits) == 0)
+   end function has_few_digits
+
    !> Take round-off out of ascending eigenvalues near 1: see `principal_axes`.
-   pure subroutine clean_moments(moments)
+   pure subroutine clean_moments(few_digits, moments)
+      logical, intent(in) :: few_digits
       real(dp), intent(inout) :: moments(3)
-      real(dp) :: allowed
-      allowed = moment_tolerance*moments(3)
-      if (abs(moments(1)) <= allowed/2) then
-         moments(1) = 0
-         if (moments(3) - moments(2) <= allowed) moments(2:3) = (moments(2) + moments(3))/2
-      else if (moments(1) > 0) then
-         if (moments(3) - moments(2) > moments(1) .and. &
-            moments(3) - moments(2) <= moments(1) + allowed) moments(3) = moments(1) + moments(2)
+      real(dp) :: least, greatest
+      least = least_zero*moments(3)
+      greatest = greatest_zero*moments(3)
+      if (few_digits) greatest = zero_of_few_digits*moments(3)
+      where (moments >= least .and. moments <= greatest) moments = 0
+      if (moments(1) <= 0) return
+      if (moments(3) - moments(2) > moments(1) .and. &
+          moments(3) - moments(2) <= moments(1) + moment_tolerance*moments(3)) then
+         moments(3) = moments(1) + moments(2)
       end if
    end subroutine clean_moments
 

@@ -7,10 +7,10 @@ module poinsot_body_moments
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_status, only: poinsot_e_domain
-   use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_error, only: poinsot_error, raise, raised
    implicit none(type, external)
    private
-   public :: check_moments, kind_of_body, kind_name, describe_body
+   public :: accept_moments, check_moments, relative_text, kind_of_body, kind_name, describe_body
    public :: is_flat, symmetry_axis, mass_spread, ascending_order
    public :: moment_tolerance
    public :: kind_at_rest, kind_spherical, kind_symmetric, kind_asymmetric, kind_flat, kind_linear
@@ -28,17 +28,62 @@ module poinsot_body_moments
    !> eigenvalues stay within.
    real(dp), parameter :: moment_tolerance = 32*epsilon(1._dp)
 
+   !> By how much, relative to itself, a largest moment may exceed the sum of the others: moments with
+   !> three digits.
+   real(dp), parameter :: triangle_slack = 1e-3_dp
+
+   !> A moment up to this, relative to the largest, is that of a body as thin as a line.
+   real(dp), parameter :: thin_body = 1e-10_dp
+
 contains
 
-   !> Refuse moments that no rigid body has. Names the moment and the reason.
+   !> Take moments as people have them, with few digits: refuse what no rigid body has, and make
+   !> equal what only rounding keeps apart beside a zero moment. The one rule for moments, wherever
+   !> they come from.
+   !>
+   !> Beside a zero moment the other two become their mean if they differ by up to 1e-5: a linear
+   !> body. (With more, up to where they are refused, Euler's equations have no solution, and the mean
+   !> is what remains; beside one of less than 1e-10 their difference turns the body about its line as
+   !> no body turns.) A largest moment may exceed the sum of the others by 1e-3 of itself and is used
+   !> as it is: Euler's equations do not need the inequality. No other moment is changed by a bit.
+   pure subroutine accept_moments(moments, error, physical)
+      real(dp), intent(inout) :: moments(3)       !! principal moments, any order, any unit
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain: which moment, by how much it
+                                                  !! is off, what is allowed
+      logical, intent(in), optional :: physical   !! .false.: any that are zero or positive
+      real(dp) :: excess
+      integer :: order(3)
+      call check_each(moments, error)
+      if (raised(error)) return
+      order = ascending_order(moments)
+      associate (small => moments(order(1)), middle => moments(order(2)), &
+                 large => moments(order(3)))
+         excess = large - middle - small
+         if (must_be_physical(physical)) then
+            call check_body(moments, order(3), middle, excess, error)
+         end if
+         if (raised(error) .or. middle <= 0 .or. small > thin_body*large) return
+         if (small > 0 .and. excess <= moment_tolerance*large) return
+         middle = middle + (large - middle)/2
+         large = middle
+      end associate
+   end subroutine accept_moments
+
+   !> Would these moments be taken?
    pure subroutine check_moments(moments, error, physical)
       real(dp), intent(in) :: moments(3)          !! principal moments, any order, any unit
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain
-      logical, intent(in), optional :: physical   !! .false.: do without the triangle inequality
-      integer :: i, order(3)
-      logical :: triangle
-      triangle = .true.
-      if (present(physical)) triangle = physical
+      type(poinsot_error), intent(inout) :: error !! as of `accept_moments`
+      logical, intent(in), optional :: physical   !! as of `accept_moments`
+      real(dp) :: accepted(3)
+      accepted = moments
+      call accept_moments(accepted, error, physical)
+   end subroutine check_moments
+
+   !> Refuse what is no moment at all.
+   pure subroutine check_each(moments, error)
+      real(dp), intent(in) :: moments(3)
+      type(poinsot_error), intent(inout) :: error
+      integer :: i
       do i = 1, 3
          if (.not. ieee_is_finite(moments(i))) then
             call refuse(moments, i, error, "is not finite")
@@ -47,28 +92,56 @@ contains
       end do
       do i = 1, 3
          if (moments(i) < 0) then
-            call refuse(moments, i, error, "is negative; a moment is zero or positive")
+            call refuse(moments, i, error, "is negative, by " // &
+               relative_text(-moments(i), maxval(abs(moments))) // &
+               " of the largest; a moment is zero or positive")
             return
          else if (moments(i) > 0 .and. moments(i) < tiny(1._dp)) then
             call refuse(moments, i, error, "is too small: its inverse overflows; use larger units")
             return
          end if
       end do
-      order = ascending_order(moments)
-      i = order(3)
-      associate (small => moments(order(1)), middle => moments(order(2)), &
-                 large => moments(order(3)))
+   end subroutine check_each
+
+   !> Refuse moments that no mass has; `largest` is the index of the largest.
+   pure subroutine check_body(moments, largest, middle, excess, error)
+      real(dp), intent(in) :: moments(3), middle, excess
+      integer, intent(in) :: largest
+      type(poinsot_error), intent(inout) :: error
+      associate (large => moments(largest))
          if (large <= 0) then
             call raise(error, poinsot_e_domain, &
                "moments of inertia: all are zero; a point does not turn")
          else if (middle <= 0) then
-            call refuse(moments, i, error, &
+            call refuse(moments, largest, error, &
                "is the only one that is not zero; a linear body has two equal ones")
-         else if (triangle .and. large - middle > small + moment_tolerance*large) then
-            call refuse(moments, i, error, "exceeds the sum of the other two; no mass is spread so")
+         else if (excess > (triangle_slack + moment_tolerance)*large) then
+            call refuse(moments, largest, error, "exceeds the sum of the other two by " // &
+               relative_text(excess, large) // " of itself; up to 1e-3 is taken as rounding, " // &
+               "and more if moments need not be physical")
          end if
       end associate
-   end subroutine check_moments
+   end subroutine check_body
+
+   pure logical function must_be_physical(physical)
+      logical, intent(in), optional :: physical
+      must_be_physical = .true.
+      if (present(physical)) must_be_physical = physical
+   end function must_be_physical
+
+   !> A part of a whole in three digits, for messages: "2.83e-02".
+   pure function relative_text(part, whole) result(text)
+      real(dp), intent(in) :: part   !! finite, not above `whole`
+      real(dp), intent(in) :: whole  !! positive
+      character(:), allocatable :: text
+      character(9) :: digits
+      real(dp) :: ratio
+      ratio = part/whole
+      if (abs(ratio) < 1e-99_dp) ratio = 0
+      write (digits, "(es9.2e2)") ratio
+      text = trim(adjustl(digits))
+      if (index(text, "E") > 0) text(index(text, "E"):index(text, "E")) = "e"
+   end function relative_text
 
    !> Raise a refusal that shows all moments, names moment i and gives the reason.
    pure subroutine refuse(moments, i, error, reason)

@@ -3,7 +3,7 @@ module poinsot_scene_inertia
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_rotation_conversions, only: from_matrix
-   use poinsot_body_moments, only: check_moments
+   use poinsot_body_moments, only: accept_moments
    use poinsot_body_inertia, only: principal_axes
    use poinsot_body_shapes, only: shape_moments, shape_names, shape_sizes
    use poinsot_core_nearest, only: suggestion
@@ -42,7 +42,7 @@ contains
       else
          call numbers_of(group, "moments", values)
          bodies%moments = values
-         call check_moments(bodies%moments, error)
+         call accept_moments(bodies%moments, error, bodies%physical)
          call relabel(group, "moments", error)
       end if
    end subroutine find_moments
@@ -54,7 +54,8 @@ contains
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)
       call numbers_of(group, "tensor", values)
-      call principal_axes(transpose(reshape(values, [3, 3])), bodies%moments, bodies%axes, error)
+      call principal_axes(transpose(reshape(values, [3, 3])), bodies%moments, bodies%axes, error, &
+         bodies%physical)
       call relabel(group, "tensor", error)
       if (raised(error)) return
       bodies%turned = .true.

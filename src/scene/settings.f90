@@ -17,6 +17,7 @@ module poinsot_scene_settings
       real(dp) :: axes(3, 3) = 0              !! columns: principal axes in the given frame
       real(dp) :: frame(4) = [1, 0, 0, 0]     !! the same turn as a quaternion: principal -> given
       logical :: turned = .false.             !! the given frame is not the principal one
+      logical :: physical = .true.            !! refuse moments that no mass has
       real(dp) :: y(3) = 0                    !! angular momentum
       real(dp) :: q(4) = [1, 0, 0, 0]         !! attitude
       integer :: random = random_none
