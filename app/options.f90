@@ -1,7 +1,7 @@
 !> Options that the studies share, and their values as numbers and names.
 module app_options
    use poinsot_core_kinds, only: dp
-   use poinsot_scene_number, only: parse_real, number_ok
+   use poinsot_core_number, only: parse_real, number_ok
    use poinsot_scene_text, only: joined, text_of
    use app_arguments, only: word, word_list, option_value, is_option, append_word
    use app_find_scene, only: shipped_scenes

@@ -6,7 +6,7 @@ program rivals
    use poinsot_core_kinds, only: dp, i8, lanes, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_effect_effect, only: torque_effect
-   use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
+   use poinsot_ensemble_plan, only: poinsot_plan, attach_plan
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_reader, only: read_source
    use poinsot_scene_settings, only: scene_settings
@@ -58,11 +58,16 @@ contains
       call read_source(file, source, error)
       if (.not. raised(error)) call build_scene(source, scene, error)
       if (.not. raised(error)) call make_plan(scene, "exact", "srkn6", plan, error)
-      if (.not. raised(error)) call compose_classes(plan, plan%splitting, flows, error)
       if (raised(error)) then
          print "(a)", error%message
          error stop 2
       end if
+      allocate (flows(size(plan%classes)))
+      do i = 1, size(flows)
+         flows(i)%number = i
+         flows(i)%class => plan%classes(i)
+         call attach_plan(plan, flows(i))
+      end do
       forced = size(plan%effects) > 0
       do i = 1, size(plan%effects)
          select type (one => plan%effects(i)%it)

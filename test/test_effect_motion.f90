@@ -489,6 +489,9 @@ contains
       call place(it, nowhere, unity)
       two%block = it%block
       two%fresh = .false.
+      two%has_dissipation = .false.
+      two%halted = .false.
+      two%fresh = .false.
       two%body = 0
       two%body(1:2) = [1, 2]
       select type (both => pair%it)

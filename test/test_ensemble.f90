@@ -94,7 +94,7 @@ contains
       allocate (p(4, it%n), q(4, it%n))
       do i = 1, it%n
          call express(variable, plan%classes(it%class(i))%moments, it%y(:, i), it%q(:, i), &
-                      plan%axes(:, it%class(i)), p(:, i), q(:, i))
+                      plan%classes(it%class(i))%axes, p(:, i), q(:, i))
       end do
    end subroutine express_all
 
@@ -169,8 +169,7 @@ contains
       call make_crowd(100, it)
       moved = it
       call ready_with("body-momentum", plan)
-      ! all in principal frames
-      plan%axes = spread([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 2, size(plan%axes, 2))
+      plan%principal = .true.
       call view_rows(moved%y, moved%q, view)
       call point_class(moved, view)
       call drift_bodies(plan, view, h, status, problem)
@@ -565,8 +564,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(setting), allocatable :: s(:)
       type(poinsot_error) :: problem
-      character(24), parameter :: bad(6) = [character(24) :: "centre", "= 1", "a =", "a = 1 two", &
-         "a = 1..2", "a = 1; b"]
+      character(24), parameter :: bad(9) = [character(24) :: "centre", "= 1", "a =", "a = 1 two", &
+         "a = 1..2", "a = 1; b", "a = 0, 0, 1e999", "a = -1e308", "a = nan"]
       integer :: i
       call read_settings("centre = 0, -1e-3 2;; frame='space' ; kind = slow;", s, problem)
       call check(error, .not. raised(problem) .and. size(s) == 3, "three settings")

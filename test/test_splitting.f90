@@ -205,7 +205,7 @@ contains
       real(dp), parameter :: t = 0.3_dp, h = 0.1_dp
       do i = 1, splitting_count()
          scheme = row(i)
-         log = recorder()
+         log = recorder(fresh=.false., has_dissipation=.false., halted=.false.)
          call run_steps(scheme, log, t, h, 7_i8, 5_i8)
          kicks = count(scheme%operations%is_kick)
          call check(error, log%kicks == 5*kicks .and. &
@@ -231,6 +231,8 @@ contains
       type(recorder) :: log
       type(splitting) :: scheme
       scheme = row(1)
+      log%fresh = .false.
+      log%has_dissipation = .false.
       log%halted = .true.
       call run_steps(scheme, log, 0.0_dp, 0.1_dp, 0_i8, 5_i8)
       call check(error, log%kicks == 1 .and. log%drifts == 0, "a halted system went on")
@@ -257,9 +259,9 @@ contains
       call check(error, size(it%scheme%operations) == 1 .and. &
                  .not. any(it%scheme%operations%is_kick), "a kick without torque")
       if (allocated(error)) return
-      call check(error, .not. (allocated(it%block%torques) .or. &
-         allocated(it%block%dissipative) .or. &
-         allocated(it%block%rotor_sum) .or. it%block%has_dissipation), "allocated for nothing")
+      call check(error, size(it%acting%torques) == 0 .and. size(it%acting%dissipative) == 0 .and. &
+         .not. (allocated(it%acting%weights) .or. it%class%has_rotor .or. &
+         it%block%has_dissipation), "something acts")
       if (allocated(error)) return
       call place(it, generic_y, generic_q)
       y = it%block%y

@@ -10,10 +10,11 @@ module test_turning
    use poinsot_effect_drag, only: drag
    use poinsot_effect_settings, only: setting, number_setting
    use poinsot_effect_registry, only: make_effect
-   use poinsot_splitting_tableaux, only: splitting
+   use poinsot_splitting_tableaux, only: splitting, free_scheme
    use poinsot_splitting_registry, only: find_splitting
    use poinsot_splitting_stepper, only: run_steps, apply_preprocessor, apply_postprocessor
    use poinsot_splitting_block_flows, only: block_flows
+   use poinsot_splitting_class_flows, only: class_flows, compose_class
    use test_oracle_taylor, only: taylor_problem, top_problem
    implicit none(type, external)
    private
@@ -35,6 +36,7 @@ module test_turning
       type(free_method) :: method
       type(splitting) :: scheme
       type(effect_item), allocatable :: effects(:)
+      type(class_flows) :: acting
       type(block_flows) :: block
       logical :: good = .false.
       character(:), allocatable :: message
@@ -81,17 +83,19 @@ contains
       character(*), intent(in) :: method, scheme
       type(effect_item), intent(in) :: effects(:)
       type(poinsot_error) :: error
-      type(splitting) :: asked
       it%effects = effects
       call make_class(moments, it%class, error)
       if (.not. raised(error)) call find_method(method, it%method, error)
-      if (.not. raised(error)) call find_splitting(scheme, asked, error)
-      if (.not. raised(error)) call it%block%compose(it%class, 1, it%method, asked, &
-         it%effects, error)
+      if (.not. raised(error)) call find_splitting(scheme, it%scheme, error)
+      if (.not. raised(error)) call compose_class(it%class, 1, it%scheme, it%effects, it%acting, &
+         error)
       it%good = .not. raised(error)
       it%message = "set-up"
       if (allocated(error%message)) it%message = error%message
-      if (it%good) it%scheme = it%block%scheme_for(asked)
+      if (.not. it%good) return
+      if (size(it%acting%torques) == 0) it%scheme = free_scheme()
+      call it%block%attach(it%class, it%method, it%acting, it%effects, 0_i8)
+      it%block%compensated = .false.
    end subroutine set_up
 
    !> The same state in every lane.

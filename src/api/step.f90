@@ -53,7 +53,6 @@ contains
       call open_plan(plan, p)
       if (.not. associated(p)) return
       call open_bodies(bodies, view, error)
-      if (.not. raised(error)) call check_ready(p%plan, view, error)
       status = error%code
    end subroutine open_both
 
@@ -164,7 +163,8 @@ contains
       if (c_associated(kinetic) .or. c_associated(potential)) then
          call body_energies(p%plan, view, t, k, u, status, error)
       else
-         status = poinsot_ok
+         call check_ready(p%plan, view, error)
+         status = error%code
       end if
    end function energy
 
@@ -178,7 +178,12 @@ contains
       type(poinsot_error) :: error
       real(dp), pointer :: l(:, :)
       call open_both(plan, bodies, p, view, status)
-      if (status /= poinsot_ok .or. view%n == 0) return
+      if (status == poinsot_ok .and. view%n == 0) then
+         call check_ready(p%plan, view, error)
+         status = error%code
+         return
+      end if
+      if (status /= poinsot_ok) return
       status = poinsot_e_null
       if (.not. c_associated(space)) return
       call c_f_pointer(space, l, [3, view%n])
@@ -192,12 +197,16 @@ contains
       type(c_ptr), value :: total            !! size_t *
       type(plan_handle), pointer :: p
       type(body_view) :: view
+      type(poinsot_error) :: error
       integer(c_size_t), pointer :: number
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
       status = poinsot_e_null
       if (.not. c_associated(total)) return
       call c_f_pointer(total, number)
+      call check_ready(p%plan, view, error)
+      status = error%code
+      if (raised(error)) return
       number = total_degrees_of_freedom(p%plan, view)
       status = poinsot_ok
    end function degrees_of_freedom

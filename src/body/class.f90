@@ -48,6 +48,13 @@ module poinsot_body_class
       real(dp) :: high_r(0:2, 0:6) = 0
       real(dp) :: reach(series_levels) = 0 !! largest (h |omega|)^2 for which a level is exact to
                                            !! rounding
+      ! of the class in a plan
+      real(dp) :: axes(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp] !! principal frame -> the frame that
+                                           !! the caller gave it in
+      logical :: turned = .false.          !! these are two frames
+      real(dp) :: rotor(3) = 0             !! angular momentum s of built-in rotors, relative to the
+                                           !! body, principal frame: omega = (y - s)/I
+      logical :: has_rotor = .false.
    end type body_class
 
 contains

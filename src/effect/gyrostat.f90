@@ -11,15 +11,15 @@ module poinsot_effect_gyrostat
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values
    implicit none(type, external)
    private
-   public :: gyrostat, describe_gyrostat, make_gyrostat
+   public :: gyrostat, describe_gyrostat, make_gyrostat, turn_increment, turn_is_too_long, &
+      add_kinetic
 
-   !> Body with an internal rotor.
+   !> Body with an internal rotor. A class carries the sum of its rotors (body_class%rotor).
    type, extends(effect) :: gyrostat
       real(dp) :: rotor(3) = 0   !! angular momentum s of the rotor relative to the body, body frame
-   contains
-      procedure :: turn_increment
-      procedure :: add_kinetic
    end type gyrostat
+
+   real(dp), parameter :: longest_turn = 1e15_dp !! radians; beyond, no digit of the angle is right
 
 contains
 
@@ -48,10 +48,21 @@ contains
       made = new
    end subroutine make_gyrostat
 
+   !> Is the turn over h beyond 1e15 radians? Exponents first: the product may leave the range.
+   pure logical function turn_is_too_long(class, h)
+      type(body_class), intent(in) :: class   !! with its rotor
+      real(dp), intent(in) :: h               !! any sign
+      real(dp) :: size
+      size = norm2(class%inverse*class%rotor)
+      turn_is_too_long = .false.
+      if (.not. (size > 0 .and. abs(h) > 0)) return
+      turn_is_too_long = exponent(size) + exponent(h) > exponent(longest_turn) + 1
+      if (.not. turn_is_too_long) turn_is_too_long = size*abs(h) > longest_turn
+   end function turn_is_too_long
+
    !> The exact turn over h, as increments of y and q: y + dy, q + dq is the state after it.
-   subroutine turn_increment(self, class, h, y, q, dy, dq)
-      class(gyrostat), intent(in) :: self
-      type(body_class), intent(in) :: class
+   pure subroutine turn_increment(class, h, y, q, dy, dq)
+      type(body_class), intent(in) :: class   !! with its rotor
       real(dp), intent(in) :: h               !! any sign
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(in) :: q(lanes, 4)
@@ -59,7 +70,7 @@ contains
       real(dp), intent(out) :: dq(lanes, 4)
       real(dp) :: rate(3), size, angle, r0, r(3), c0, x1, x2, x3
       integer :: i
-      rate = -class%inverse*self%rotor
+      rate = -class%inverse*class%rotor
       size = norm2(rate)
       r = 0
       angle = 0.5_dp*h*size
@@ -82,14 +93,13 @@ contains
    end subroutine turn_increment
 
    !> u += (y - s).J^-1 (y - s)/2, the kinetic energy that stands in for y.J^-1 y/2.
-   subroutine add_kinetic(self, class, y, u)
-      class(gyrostat), intent(in) :: self
-      type(body_class), intent(in) :: class
+   pure subroutine add_kinetic(class, y, u)
+      type(body_class), intent(in) :: class   !! with its rotor
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: u(lanes)
       integer :: j
       do j = 1, 3
-         u = u + 0.5_dp*class%inverse(j)*(y(:, j) - self%rotor(j))**2
+         u = u + 0.5_dp*class%inverse(j)*(y(:, j) - class%rotor(j))**2
       end do
    end subroutine add_kinetic
 

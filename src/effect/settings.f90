@@ -7,6 +7,7 @@ module poinsot_effect_settings
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_size
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
+   use poinsot_core_number, only: trusted_reals
    implicit none(type, external)
    private
    public :: setting, effect_key, effect_info, number_key, text_key
@@ -173,7 +174,7 @@ contains
       end do
       k = find_key(info, key)
       allocate (values(merge(0, info%keys(k)%least, info%keys(k)%default == "")))
-      if (size(values) > 0) read (info%keys(k)%default, *) values
+      call trusted_reals(info%keys(k)%default, values)
    end subroutine get_values
 
    !> The one number of a key that takes one.

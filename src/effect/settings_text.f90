@@ -3,6 +3,7 @@ module poinsot_effect_settings_text
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory
    use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_number, only: parse_real, number_ok, number_range
    use poinsot_effect_settings, only: setting
    implicit none(type, external)
    private
@@ -71,7 +72,7 @@ contains
       character(*), intent(in) :: values
       type(setting), intent(inout) :: one
       type(poinsot_error), intent(inout) :: error
-      integer :: first, last, n, state
+      integer :: first, last, n, state, outcome
       real(dp), allocatable :: found(:)
       real(dp) :: x
       allocate (found(1 + len(values)/2), stat=state)
@@ -87,13 +88,12 @@ contains
          first = first + last - 1
          last = scan(values(first:), blanks) + first - 2
          if (last < first) last = len(values)
-         state = 1
-         if (verify(values(first:last), "+-.0123456789eEdDnNaAiIfFtTyY") == 0) then
-            read (values(first:last), *, iostat=state) x
-         end if
-         if (state /= 0) then
+         call parse_real(values(first:last), x, outcome)
+         if (outcome /= number_ok) then
             call raise(error, poinsot_e_domain, "settings: '" // one%key // " = " // values // &
-                       "': '" // values(first:last) // "' is not a number")
+                       "': '" // values(first:last) // trim(merge( &
+                       "' is not finite or beyond 1e307", "' is not a number              ", &
+                       outcome == number_range)))
             return
          end if
          n = n + 1
@@ -116,7 +116,7 @@ contains
           .and. s(len(s):len(s)) == s(1:1)
    end function is_quoted
 
-   !> nan and inf are numbers: the effect says that they are not finite.
+   !> nan and inf are numbers, refused as such.
    pure logical function is_number_word(s)
       character(*), intent(in) :: s
       is_number_word = any(s == [character(8) :: "nan", "NaN", "NAN", "inf", "Inf", "INF", &

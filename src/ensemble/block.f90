@@ -11,36 +11,21 @@ module poinsot_ensemble_block
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_free_limits, only: reject_speed
-   use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, turned, to_native, &
-      from_native
+   use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, to_native, from_native
    use poinsot_ensemble_transfer, only: arrays, find_layout, copy_in, copy_out
+   use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
    private
-   public :: block_state, host_arrays, open_host, load_block, store_block
-
-   !> One block of bodies. What is not asked for is not filled: `id` and `carry`.
-   type :: block_state
-      real(dp) :: y(lanes, 3)             !! angular momentum, principal frame
-      real(dp) :: q(lanes, 4)             !! attitude
-      real(dp) :: carry(lanes, 7)         !! compensated sums
-      integer(i8) :: id(lanes)            !! number for random streams
-      integer :: status(lanes)
-      integer :: at(lanes)                !! where each stands in the caller's arrays
-      integer :: n                        !! bodies in it; the other lanes are padding at rest
-      integer :: class                    !! their class
-      logical :: compensated              !! the caller keeps a carry
-      logical :: adding = .false.         !! `add` goes to the caller's momentum as it stands, and y
-                                          !! is not looked at
-      real(dp) :: add(lanes, 3)           !! in the caller's variable and frame
-   contains
-      procedure :: reject_values
-   end type block_state
+   public :: host_arrays, open_host, load_block, store_block, store_status, add_momentum, &
+      reject_values
 
    !> The caller's arrays as one call sees them.
    type :: host_arrays
       type(body_view) :: view
       type(arrays) :: y, q
       integer :: momentum = body_momentum          !! the momentum variable
+      logical :: principal = .false.               !! the arrays are in principal frames, whatever
+                                                   !! frame a class was given in
       logical :: wants_id = .false.                !! random numbers are drawn by body
    end type host_arrays
 
@@ -54,71 +39,91 @@ module poinsot_ensemble_block
 contains
 
    !> Look at the caller's arrays, once per call.
-   subroutine open_host(view, momentum, host)
+   subroutine open_host(view, momentum, principal, host)
       type(body_view), intent(in) :: view
       integer, intent(in) :: momentum              !! the caller's momentum variable
+      logical, intent(in) :: principal             !! in principal frames
       type(host_arrays), intent(out) :: host
       host%view = view
       host%momentum = momentum
+      host%principal = principal
       call find_layout(view%y, merge(4, 3, momentum == conjugate_momentum), view%n, host%y)
       call find_layout(view%q, 4, view%n, host%q)
    end subroutine open_host
 
    !> Fill a block with n bodies of one class and check them.
-   subroutine load_block(host, at, n, number, class, axes, b)
+   subroutine load_block(host, at, n, number, class, b)
       type(host_arrays), intent(in) :: host
       integer, intent(in) :: n                     !! bodies, 1 to lanes
       integer, intent(in) :: at(n)                 !! their places
       integer, intent(in) :: number                !! their class
-      type(body_class), intent(in) :: class
-      real(dp), intent(in) :: axes(4)              !! principal axes in the caller's body frame
-      type(block_state), intent(inout) :: b
+      type(body_class), intent(in), target :: class
+      type(block_flows), intent(inout) :: b
       real(dp) :: p(lanes, 4)
-      integer :: l
 
       b%n = n
-      b%class = number
+      b%number = number
+      b%class => class
       b%at(1:n) = at
       b%status = poinsot_ok
-      b%adding = .false.
+      b%stored = .false.
       if (n < lanes) call rest(n + 1, lanes, b%y, b%q)
       call copy_in(host%q, at, n, b%q)
-      if (host%momentum == body_momentum .and. .not. turned(axes)) then
+      if (host%momentum == body_momentum .and. .not. is_turned(host, class)) then
          call copy_in(host%y, at, n, b%y)
          call reject(3, [class%limit, 0.0_dp], b%y, b%q, b%status)
       else
          p = 0
          call copy_in(host%y, at, n, p)
          call reject(4, spread(huge(p), 1, 4), p, b%q, b%status)
-         call to_native(host%momentum, axes, class, p, b%y, b%q)
+         call to_native(host%momentum, is_turned(host, class), class, p, b%y, b%q)
          call reject_speed(class, b%y, b%status)
       end if
       if (class%sorted(1) <= 0) call reject_axis_momentum(class, b)
-      if (.not. host%wants_id) then
-         continue
-      else if (associated(host%view%id)) then
-         do l = 1, n
-            b%id(l) = host%view%id(at(l))
+      if (host%wants_id) call load_id(host%view, b)
+      b%compensated = associated(host%view%carry)
+      if (b%compensated) call load_carry(host%view, b)
+   end subroutine load_block
+
+   !> Do the caller's arrays have another body frame than the principal one?
+   pure logical function is_turned(host, class)
+      type(host_arrays), intent(in) :: host
+      type(body_class), intent(in) :: class
+      is_turned = class%turned .and. .not. host%principal
+   end function is_turned
+
+   !> Numbers for random streams: the caller's, or the place of each body.
+   pure subroutine load_id(view, b)
+      type(body_view), intent(in) :: view
+      type(block_flows), intent(inout) :: b
+      integer :: l
+      b%id(b%n + 1:) = 0
+      if (associated(view%id)) then
+         do l = 1, b%n
+            b%id(l) = view%id(b%at(l))
          end do
       else
-         do l = 1, n
-            b%id(l) = at(l) - 1
+         do l = 1, b%n
+            b%id(l) = b%at(l) - 1
          end do
       end if
-      if (host%wants_id) b%id(n + 1:) = 0
-      b%compensated = associated(host%view%carry)
-      if (.not. b%compensated) return
+   end subroutine load_id
+
+   pure subroutine load_carry(view, b)
+      type(body_view), intent(in) :: view
+      type(block_flows), intent(inout) :: b
+      integer :: l
       b%carry = 0
-      do l = 1, n
-         b%carry(l, :) = host%view%carry(:, at(l))
+      do l = 1, b%n
+         b%carry(l, :) = view%carry(:, b%at(l))
       end do
       call reject_carry(b)
-   end subroutine load_block
+   end subroutine load_carry
 
    !> A carry is what rounding left over. One that is not finite, or larger than that could be, is
    !> no carry.
    pure subroutine reject_carry(b)
-      type(block_state), intent(inout) :: b
+      type(block_flows), intent(inout) :: b
       real(dp) :: largest
       integer :: l, j
       do l = 1, b%n
@@ -189,7 +194,7 @@ contains
    !> Numbers that come with the bodies, a torque for instance: a lane where they are not finite
    !> fails, and gets zeros.
    pure subroutine reject_values(b, values)
-      class(block_state), intent(inout) :: b
+      type(block_flows), intent(inout) :: b
       real(dp), intent(inout) :: values(:, :)   !! (lanes, components)
       integer :: l, j
       do j = 1, size(values, 2)
@@ -204,7 +209,7 @@ contains
    !> Momentum about an axis without inertia is refused; what rounding leaves there is dropped.
    pure subroutine reject_axis_momentum(class, b)
       type(body_class), intent(in) :: class
-      type(block_state), intent(inout) :: b
+      type(block_flows), intent(inout) :: b
       integer :: j, l
       do j = 1, 3
          if (class%inverse(j) > 0) cycle
@@ -221,28 +226,22 @@ contains
    !> Write back the bodies that did not fail, and every status. `keep_momentum`: a variable that
    !> free motion does not change (space-frame momentum) is left as it is, to the bit; so is
    !> `keep_attitude` by a kick.
-   subroutine store_block(host, class, axes, keep_momentum, keep_attitude, b)
+   subroutine store_block(host, keep_momentum, keep_attitude, b)
       type(host_arrays), intent(inout) :: host
-      type(body_class), intent(in) :: class
-      real(dp), intent(in) :: axes(4)
       logical, intent(in) :: keep_momentum, keep_attitude
-      type(block_state), intent(inout) :: b
+      type(block_flows), intent(inout) :: b
       real(dp) :: p(lanes, 4)
       integer :: l, n, at(lanes)
 
-      if (b%adding) call add_momentum(host%view, b)
-      if (associated(host%view%status)) then
-         do l = 1, b%n
-            host%view%status(b%at(l)) = b%status(l)
-         end do
-      end if
-      if (b%adding) return
+      call store_status(host%view, b)
+      if (b%stored) return
       n = b%n
-      if (host%momentum == body_momentum .and. .not. (turned(axes) .or. any_failed(b%status))) then
+      if (host%momentum == body_momentum .and. &
+          .not. (is_turned(host, b%class) .or. any_failed(b%status))) then
          if (.not. keep_momentum) call copy_out(host%y, b%at, n, b%y)
          if (.not. keep_attitude) call copy_out(host%q, b%at, n, b%q)
       else
-         call from_native(host%momentum, axes, class, b%y, b%q, p)
+         call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, b%q, p)
          call pack_lanes(b, p, at, n)
          if (n > 0 .and. .not. keep_momentum) call copy_out(host%y, at, n, p)
          if (n > 0 .and. .not. keep_attitude) call copy_out(host%q, at, n, b%q)
@@ -253,9 +252,20 @@ contains
       end do
    end subroutine store_block
 
+   !> Every status into the caller's array, if there is one.
+   subroutine store_status(view, b)
+      type(body_view), intent(in) :: view
+      type(block_flows), intent(in) :: b
+      integer :: l
+      if (.not. associated(view%status)) return
+      do l = 1, b%n
+         view%status(b%at(l)) = b%status(l)
+      end do
+   end subroutine store_status
+
    !> Move the lanes that did not fail to the front.
    pure subroutine pack_lanes(b, p, at, n)
-      type(block_state), intent(inout) :: b
+      type(block_flows), intent(inout) :: b
       real(dp), intent(inout) :: p(lanes, 4)
       integer, intent(out) :: at(lanes), n
       integer :: l, from(lanes)
@@ -275,15 +285,17 @@ contains
 
    !> A kick in the caller's own variable: no turning there and back, no rounding but that of the
    !> sum. A sum that is not finite is not stored: the body fails.
-   subroutine add_momentum(view, b)
+   subroutine add_momentum(view, add, b)
       type(body_view), intent(in) :: view
-      type(block_state), intent(inout) :: b
+      real(dp), intent(in) :: add(lanes, 3)     !! in the caller's variable and frame
+      type(block_flows), intent(inout) :: b
       real(dp) :: total(3)
       integer :: j, l
+      b%stored = .true.
       do l = 1, b%n
          if (b%status(l) /= poinsot_ok) cycle
          do j = 1, 3
-            total(j) = view%y(j)%of(b%at(l)) + b%add(l, j)
+            total(j) = view%y(j)%of(b%at(l)) + add(l, j)
          end do
          if (maxval(magnitude(total)) >= exponent_bits) then
             b%status(l) = poinsot_e_domain

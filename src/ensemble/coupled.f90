@@ -83,14 +83,14 @@ contains
       call scatter_all(system)
       do k = 1, size(system%at)
          associate (s => system%at(k))
-            call s%flows%energies(t, e, u)
+            call s%energies(t, e, u)
             call add_pairs(system, k, u)
-            do l = 1, s%b%n
-               if (associated(view%status)) view%status(s%b%at(l)) = s%b%status(l)
-               failed = failed .or. s%b%status(l) /= poinsot_ok
-               if (s%b%status(l) /= poinsot_ok) cycle
-               kinetic(s%b%at(l)) = e(l)
-               potential(s%b%at(l)) = u(l)
+            do l = 1, s%n
+               if (associated(view%status)) view%status(s%at(l)) = s%status(l)
+               failed = failed .or. s%status(l) /= poinsot_ok
+               if (s%status(l) /= poinsot_ok) cycle
+               kinetic(s%at(l)) = e(l)
+               potential(s%at(l)) = u(l)
             end do
          end associate
       end do

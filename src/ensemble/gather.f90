@@ -7,9 +7,8 @@ module poinsot_ensemble_gather
    use poinsot_ensemble_block, only: host_arrays, open_host, load_block, store_block
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_count, collect_chunk, next_block
-   use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
-   use poinsot_ensemble_system, only: ensemble_flows, placed_block
-   use poinsot_splitting_block_flows, only: block_flows
+   use poinsot_ensemble_plan, only: poinsot_plan, attach_plan
+   use poinsot_ensemble_system, only: ensemble_flows
    !$ use omp_lib, only: omp_in_parallel, omp_get_max_threads
    implicit none(type, external)
    private
@@ -17,7 +16,7 @@ module poinsot_ensemble_gather
 
    integer, parameter :: blocks_per_thread = 4 !! with fewer, a thread costs more than it brings
 
-   !> What a station needs to go back to: the state before a step.
+   !> What a block needs to go back to: the state before a step.
    type :: saved_state
       real(dp) :: y(lanes, 3), q(lanes, 4), carry(lanes, 7)
       integer :: status(lanes)
@@ -34,13 +33,14 @@ contains
       type(ensemble_flows), intent(inout) :: system  !! all blocks
       logical, intent(inout) :: failed               !! set if a body is refused
       type(poinsot_error), intent(inout) :: error
-      type(block_flows), allocatable :: composed(:)
-      integer :: blocks, k
+      integer :: blocks
 
       system%plan => plan
       system%n = view%n
+      system%fresh = .false.
+      system%halted = .false.
+      system%has_dissipation = plan%has_dissipation
       call check_pairs(plan, view, error)
-      if (.not. raised(error)) call compose_classes(plan, plan%splitting, composed, error)
       if (raised(error)) return
       if (plan%splitting%needs_gradient .and. associated(system%callback)) then
          call raise(error, poinsot_e_method, "splitting '" // trim(plan%splitting%name) // &
@@ -52,10 +52,7 @@ contains
       system%team = team_size(plan, blocks)
       call make_room(plan, blocks, system, error)
       if (raised(error)) return
-      call load_all(plan, view, composed, system, failed)
-      do k = 1, size(composed)
-         system%has_dissipation = system%has_dissipation .or. composed(k)%has_dissipation
-      end do
+      call load_all(plan, view, system, failed)
    end subroutine gather_all
 
    !> How many blocks the bodies make.
@@ -106,16 +103,15 @@ contains
       end if
    end subroutine make_room
 
-   subroutine load_all(plan, view, composed, system, failed)
-      type(poinsot_plan), intent(in) :: plan
+   subroutine load_all(plan, view, system, failed)
+      type(poinsot_plan), intent(in), target :: plan
       type(body_view), intent(in) :: view
-      type(block_flows), intent(in) :: composed(:)    !! of each class
       type(ensemble_flows), intent(inout) :: system
       logical, intent(inout) :: failed
       type(class_sorted_chunk) :: h
       type(host_arrays) :: host
       integer :: c, k, first, n, class
-      if (view%n > 0) call open_host(view, plan%momentum, host)
+      if (view%n > 0) call open_host(view, plan%momentum, plan%principal, host)
       host%wants_id = .true.
       k = 0
       do c = 1, chunk_count(view%n)
@@ -124,28 +120,13 @@ contains
             call next_block(h, first, n, class)
             if (n == 0) exit
             k = k + 1
-            call load_placed_block(plan, host, composed(class), h%at(first:first + n - 1), n, &
-                              class, system%at(k))
+            call load_block(host, h%at(first:first + n - 1), n, class, plan%classes(class), &
+                            system%at(k))
+            system%at(k)%at(n + 1:) = 0
+            call attach_plan(plan, system%at(k))
          end do
       end do
    end subroutine load_all
-
-   subroutine load_placed_block(plan, host, flows, places, n, class, s)
-      type(poinsot_plan), intent(in) :: plan
-      type(host_arrays), intent(in) :: host
-      type(block_flows), intent(in) :: flows
-      integer, intent(in) :: n, class, places(n)
-      type(placed_block), intent(inout) :: s
-      s%flows = flows
-      call load_block(host, places, n, class, plan%classes(class), plan%axes(:, class), s%b)
-      s%b%at(n + 1:) = 0
-      s%flows%y = s%b%y
-      s%flows%q = s%b%q
-      if (s%b%compensated) s%flows%carry = s%b%carry
-      s%flows%status = s%b%status
-      s%flows%id = s%b%id
-      s%flows%compensated = s%b%compensated
-   end subroutine load_placed_block
 
    !> All blocks back into the caller's arrays.
    subroutine store_all(plan, view, system, failed)
@@ -156,16 +137,11 @@ contains
       type(host_arrays) :: host
       integer :: k
       if (view%n == 0) return
-      call open_host(view, plan%momentum, host)
+      call open_host(view, plan%momentum, plan%principal, host)
       do k = 1, size(system%at)
-         associate (s => system%at(k))
-            s%b%y = s%flows%y
-            s%b%q = s%flows%q
-            s%b%carry = s%flows%carry
-            s%b%status = s%flows%status
-            call store_block(host, plan%classes(s%b%class), plan%axes(:, s%b%class), &
-                             .false., .false., s%b)
-            failed = failed .or. any(s%b%status(1:s%b%n) /= poinsot_ok)
+         associate (b => system%at(k))
+            call store_block(host, .false., .false., b)
+            failed = failed .or. any(b%status(1:b%n) /= poinsot_ok)
          end associate
       end do
    end subroutine store_all
@@ -190,13 +166,13 @@ contains
       end do
    end subroutine check_pairs
 
-   !> Keep the state of all stations.
+   !> Keep the state of all blocks.
    subroutine save_state(system, before)
       type(ensemble_flows), intent(in) :: system !! all blocks
       type(saved_state), intent(inout) :: before(:)
       integer :: k
       do k = 1, size(before)
-         associate (f => system%at(k)%flows)
+         associate (f => system%at(k))
             before(k) = saved_state(f%y, f%q, f%carry, f%status)
          end associate
       end do
@@ -208,7 +184,7 @@ contains
       type(saved_state), intent(in) :: before(:)
       integer :: k
       do k = 1, size(before)
-         associate (f => system%at(k)%flows)
+         associate (f => system%at(k))
             f%y = before(k)%y
             f%q = before(k)%q
             f%carry = before(k)%carry

@@ -10,7 +10,7 @@ module poinsot_ensemble_layout
    private
    public :: momentum_names, body_momentum, space_momentum, body_velocity, space_velocity, &
       conjugate_momentum
-   public :: layout_names, layout_momentum, no_axes, turned, to_native, from_native, turn_to_body
+   public :: layout_names, layout_momentum, to_native, from_native, turn_to_body
 
    integer, parameter :: body_momentum = 1      !! angular momentum, body frame
    integer, parameter :: space_momentum = 2     !! angular momentum, space frame (LAMMPS)
@@ -29,17 +29,14 @@ module poinsot_ensemble_layout
    integer, parameter :: layout_momentum(4) = [body_momentum, space_momentum, body_velocity, &
       conjugate_momentum]
 
-   real(dp), parameter :: no_axes(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp] !! the body frame is the
-                                                                        !! principal frame
-
 contains
 
    !> p, the caller's momentum variable, and q, from the caller's body frame -> y and q of the
-   !> principal frame.
-   pure subroutine to_native(momentum, axes, class, p, y, q)
+   !> principal frame. A velocity is I^-1 (y - s), s the momentum of the class's rotors.
+   pure subroutine to_native(momentum, turned, class, p, y, q)
       integer, intent(in) :: momentum            !! one of the five variables
-      real(dp), intent(in) :: axes(4)            !! quaternion of the principal axes in the caller's
-                                                 !! body frame
+      logical, intent(in) :: turned              !! the caller's body frame is class%axes, not the
+                                                 !! principal one
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: p(lanes, 4)
       real(dp), intent(out) :: y(lanes, 3)
@@ -63,22 +60,23 @@ contains
       case default
          y = p(:, 1:3)
       end select
-      if (turned(axes)) then
-         s = spread(axes, 1, lanes)
+      if (turned) then
+         s = spread(class%axes, 1, lanes)
          call rotate_back(s, y)
-         call times(q, axes)
+         call times(q, class%axes)
       end if
       if (momentum == body_velocity .or. momentum == space_velocity) then
          do j = 1, 3
             y(:, j) = y(:, j)*class%moments(j)
+            if (class%has_rotor) y(:, j) = y(:, j) + class%rotor(j)
          end do
       end if
    end subroutine to_native
 
    !> The way back: y and q of the principal frame -> p and q of the caller.
-   pure subroutine from_native(momentum, axes, class, y, q, p)
+   pure subroutine from_native(momentum, turned, class, y, q, p)
       integer, intent(in) :: momentum
-      real(dp), intent(in) :: axes(4)
+      logical, intent(in) :: turned
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: q(lanes, 4)
@@ -89,11 +87,12 @@ contains
       v = y
       if (momentum == body_velocity .or. momentum == space_velocity) then
          do j = 1, 3
+            if (class%has_rotor) v(:, j) = v(:, j) - class%rotor(j)
             v(:, j) = v(:, j)*class%inverse(j)
          end do
       end if
-      if (turned(axes)) then
-         back = [axes(1), -axes(2:4)]
+      if (turned) then
+         back = [class%axes(1), -class%axes(2:4)]
          s = spread(back, 1, lanes)
          call rotate_back(s, v)
          call times(q, back)
@@ -118,22 +117,17 @@ contains
       end select
    end subroutine from_native
 
-   !> Is the caller's body frame another than the principal frame?
-   pure logical function turned(axes)
-      real(dp), intent(in) :: axes(4)
-      turned = any(abs(axes(2:4)) > 0)
-   end function turned
-
    !> A vector of the host, in space or in the caller's body frame, turned to the principal frame.
-   pure subroutine turn_to_body(space, axes, q, v)
+   pure subroutine turn_to_body(space, turned, class, q, v)
       logical, intent(in) :: space               !! it is in the space frame
-      real(dp), intent(in) :: axes(4)            !! principal axes in the caller's body frame
+      logical, intent(in) :: turned              !! the caller's body frame is class%axes
+      type(body_class), intent(in) :: class
       real(dp), intent(in) :: q(lanes, 4)        !! attitude of the principal frame
       real(dp), intent(inout) :: v(lanes, 3)
       if (space) then
          call rotate_back(q, v)
-      else if (turned(axes)) then
-         call rotate_back(spread(axes, 1, lanes), v)
+      else if (turned) then
+         call rotate_back(spread(class%axes, 1, lanes), v)
       end if
    end subroutine turn_to_body
 

@@ -4,14 +4,12 @@ module poinsot_ensemble_observe
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_size
-   use poinsot_body_class, only: body_class
    use poinsot_body_invariants, only: degrees_of_freedom
-   use poinsot_ensemble_block, only: block_state
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_coupled, only: coupled_energy
    use poinsot_ensemble_drive, only: block_job, for_each_block
-   use poinsot_ensemble_layout, only: from_native, no_axes, space_momentum
-   use poinsot_ensemble_plan, only: poinsot_plan, compose_classes
+   use poinsot_ensemble_layout, only: from_native, space_momentum
+   use poinsot_ensemble_plan, only: poinsot_plan, attach_plan
    use poinsot_ensemble_rotate, only: check_step
    use poinsot_ensemble_step, only: check_ready
    use poinsot_splitting_block_flows, only: block_flows
@@ -21,7 +19,6 @@ module poinsot_ensemble_observe
 
    !> Energies of the bodies of a block.
    type, extends(block_job) :: energy_job
-      type(block_flows), allocatable :: flows(:)
       real(dp) :: t = 0
       real(dp), pointer :: kinetic(:) => null(), potential(:) => null()
    contains
@@ -61,19 +58,17 @@ contains
          call coupled_energy(plan, view, t, kinetic, potential, status, error)
          return
       end if
-      call compose_classes(plan, plan%splitting, job%flows, error)
-      status = error%code
-      if (raised(error)) return
+      job%plan => plan
       job%read_only = .true.
       job%t = t
       job%kinetic => kinetic
       job%potential => potential
-      status = for_each_block(view, plan%classes, plan%axes, plan%momentum, plan%threads, job)
+      status = for_each_block(view, plan%threads, job)
    end subroutine body_energies
 
    !> Angular momentum of each body in the space frame, (3, n).
    subroutine body_momenta(plan, view, momentum, status, error)
-      type(poinsot_plan), intent(in) :: plan !! ready
+      type(poinsot_plan), intent(in), target :: plan !! ready
       type(body_view), intent(in) :: view    !! the caller's arrays
       real(dp), intent(out), target :: momentum(:, :)
       integer, intent(out) :: status
@@ -86,9 +81,10 @@ contains
       end if
       status = error%code
       if (raised(error)) return
+      job%plan => plan
       job%read_only = .true.
       job%momentum => momentum
-      status = for_each_block(view, plan%classes, plan%axes, plan%momentum, plan%threads, job)
+      status = for_each_block(view, plan%threads, job)
    end subroutine body_momenta
 
    !> Rotational degrees of freedom of all bodies: an axis without inertia has none.
@@ -111,17 +107,13 @@ contains
       end do
    end function total_degrees_of_freedom
 
-   subroutine run_energy(self, class, b)
+   subroutine run_energy(self, b)
       class(energy_job), intent(inout) :: self
-      type(body_class), intent(in) :: class
-      type(block_state), intent(inout) :: b
+      type(block_flows), intent(inout) :: b
       real(dp) :: kinetic(lanes), potential(lanes)
       integer :: l
-      associate (f => self%flows(b%class), unused => class%moments)
-         f%y = b%y
-         f%q = b%q
-         call f%energies(self%t, kinetic, potential)
-      end associate
+      call attach_plan(self%plan, b)
+      call b%energies(self%t, kinetic, potential)
       do l = 1, b%n
          if (b%status(l) /= poinsot_ok) cycle
          self%kinetic(b%at(l)) = kinetic(l)
@@ -129,14 +121,13 @@ contains
       end do
    end subroutine run_energy
 
-   subroutine run_momentum(self, class, b)
+   subroutine run_momentum(self, b)
       class(momentum_job), intent(inout) :: self
-      type(body_class), intent(in) :: class
-      type(block_state), intent(inout) :: b
+      type(block_flows), intent(inout) :: b
       real(dp) :: p(lanes, 4), q(lanes, 4)
       integer :: l
       q = b%q
-      call from_native(space_momentum, no_axes, class, b%y, q, p)
+      call from_native(space_momentum, .false., b%class, b%y, q, p)
       do l = 1, b%n
          if (b%status(l) == poinsot_ok) self%momentum(1:3, b%at(l)) = p(l, 1:3)
       end do

@@ -5,11 +5,10 @@ module poinsot_ensemble_rotate
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
    use poinsot_body_class, only: body_class
-   use poinsot_ensemble_block, only: block_state
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_drive, only: block_job, for_each_block
-   use poinsot_ensemble_layout, only: body_momentum, no_axes
    use poinsot_free_method, only: free_method, advance
+   use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
    private
    public :: rotate_job, rotate_bodies, check_step
@@ -19,7 +18,6 @@ module poinsot_ensemble_rotate
       type(free_method) :: method
       real(dp) :: h = 0
       integer :: steps = 1
-      logical :: compensated = .false.
    contains
       procedure :: run => run_rotate
    end type rotate_job
@@ -29,7 +27,7 @@ contains
    !> Rotate all bodies of a native view freely. POINSOT_E_PARTIAL if some failed: each has a status
    !> and its state of before.
    subroutine rotate_bodies(class, method, h, steps, view, threads, status, error)
-      type(body_class), intent(in) :: class
+      type(body_class), intent(in), target :: class
       type(free_method), intent(in) :: method
       real(dp), intent(in) :: h                     !! step, either sign
       integer, intent(in) :: steps                  !! how many
@@ -38,17 +36,15 @@ contains
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error   !! a step that is not finite
       type(rotate_job) :: job
-      real(dp) :: axes(4, 1)
 
       call check_step(h, steps, error)
       status = error%code
       if (status /= 0) return
+      job%class => class
       job%method = method
       job%h = h
       job%steps = steps
-      job%compensated = associated(view%carry)
-      axes(:, 1) = no_axes
-      status = for_each_block(view, [class], axes, body_momentum, threads, job)
+      status = for_each_block(view, threads, job)
    end subroutine rotate_bodies
 
    !> A step (or a time) must be finite, a number of steps not negative.
@@ -68,18 +64,17 @@ contains
       end if
    end subroutine check_step
 
-   subroutine run_rotate(self, class, b)
+   subroutine run_rotate(self, b)
       class(rotate_job), intent(inout) :: self
-      type(body_class), intent(in) :: class
-      type(block_state), intent(inout) :: b
+      type(block_flows), intent(inout) :: b
       integer :: k
-      if (self%compensated) then
+      if (b%compensated) then
          do k = 1, self%steps
-            call advance(self%method, class, self%h, b%y, b%q, b%status, b%carry)
+            call advance(self%method, b%class, self%h, b%y, b%q, b%status, b%carry)
          end do
       else
          do k = 1, self%steps
-            call advance(self%method, class, self%h, b%y, b%q, b%status)
+            call advance(self%method, b%class, self%h, b%y, b%q, b%status)
          end do
       end if
    end subroutine run_rotate

@@ -3,14 +3,14 @@
 module poinsot_ensemble_system
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_effect_effect, only: pair_effect
-   use poinsot_ensemble_block, only: block_state
+   use poinsot_ensemble_block, only: reject_values
    use poinsot_ensemble_layout, only: turn_to_body, from_native, body_momentum
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_splitting_block_flows, only: block_flows
    use poinsot_splitting_stepper, only: flows
    implicit none(type, external)
    private
-   public :: torque_callback, placed_block, ensemble_flows, scatter_all, add_pairs
+   public :: torque_callback, ensemble_flows, scatter_all, add_pairs
 
    !> The host's torques for all bodies at once: extend this type, its components are the context.
    type, abstract :: torque_callback
@@ -33,16 +33,10 @@ module poinsot_ensemble_system
       end subroutine evaluate
    end interface
 
-   !> One block of the ensemble with its places in the caller's arrays.
-   type :: placed_block
-      type(block_flows) :: flows
-      type(block_state) :: b
-   end type placed_block
-
    !> All blocks as one system for the stepper.
    type, extends(flows) :: ensemble_flows
       type(poinsot_plan), pointer :: plan => null()
-      type(placed_block), allocatable :: at(:)
+      type(block_flows), allocatable :: at(:)
       class(torque_callback), pointer :: callback => null()
       real(dp), allocatable :: sources(:, :, :)  !! (3, n, effects): what pair effects lay out
       real(dp), allocatable :: changes(:, :)     !! (3, n): its derivative, of one effect
@@ -66,7 +60,7 @@ contains
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
       !$omp shared(self, h) private(k)
       do k = 1, size(self%at)
-         call self%at(k)%flows%drift(h)
+         call self%at(k)%drift(h)
       end do
       !$omp end parallel do
    end subroutine drift_all
@@ -80,7 +74,7 @@ contains
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
       !$omp shared(self, h, step, half) private(k)
       do k = 1, size(self%at)
-         if (self%at(k)%flows%has_dissipation) call self%at(k)%flows%dissipative_half_step(h, &
+         if (self%at(k)%has_dissipation) call self%at(k)%dissipative_half_step(h, &
             step, half)
       end do
       !$omp end parallel do
@@ -98,7 +92,7 @@ contains
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
       !$omp shared(self, b, c) private(k)
       do k = 1, size(self%at)
-         call self%at(k)%flows%apply_kick(b, c)
+         call self%at(k)%apply_kick(b, c)
       end do
       !$omp end parallel do
    end subroutine kick_all
@@ -113,13 +107,13 @@ contains
       !$omp shared(self, t) private(k, i)
       do k = 1, size(self%at)
          associate (s => self%at(k))
-            call s%flows%start_torque(t)
+            call s%start_torque(t)
             do i = 1, size(self%plan%effects)
                select type (one => self%plan%effects(i)%it)
                class is (pair_effect)
-                  if (one%acts_on(s%b%class)) then
-                     call one%add_torque(s%b%class, s%b%at, s%flows%q, &
-                                         self%sources(:, :, i), s%flows%g)
+                  if (one%acts_on(s%number)) then
+                     call one%add_torque(s%number, s%at, s%q, &
+                                         self%sources(:, :, i), s%g)
                   end if
                end select
             end do
@@ -128,7 +122,7 @@ contains
       !$omp end parallel do
       if (associated(self%callback)) call ask_callback(self, t)
       do k = 1, size(self%at)
-         call self%at(k)%flows%finish_torque()
+         call self%at(k)%finish_torque()
       end do
    end subroutine evaluate_torques
 
@@ -142,8 +136,8 @@ contains
          class is (pair_effect)
             do k = 1, size(self%at)
                associate (s => self%at(k))
-                  if (one%acts_on(s%b%class)) then
-                     call one%scatter_source(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i))
+                  if (one%acts_on(s%number)) then
+                     call one%scatter_source(s%number, s%at, s%q, self%sources(:, :, i))
                   end if
                end associate
             end do
@@ -161,8 +155,8 @@ contains
          select type (one => self%plan%effects(i)%it)
          class is (pair_effect)
             associate (s => self%at(k))
-               if (one%acts_on(s%b%class)) then
-                  call one%add_energy(s%b%class, s%b%at, s%flows%q, self%sources(:, :, i), u)
+               if (one%acts_on(s%number)) then
+                  call one%add_energy(s%number, s%at, s%q, self%sources(:, :, i), u)
                end if
             end associate
          end select
@@ -178,11 +172,11 @@ contains
       self%q = 0
       self%q(:, 1) = 1
       do k = 1, size(self%at)
-         associate (s => self%at(k), axes => self%plan%axes, classes => self%plan%classes)
-            q = s%flows%q
-            call from_native(body_momentum, axes(:, s%b%class), classes(s%b%class), s%flows%y, q, p)
-            do l = 1, s%b%n
-               self%q(s%b%at(l), :) = q(l, :)
+         associate (s => self%at(k))
+            q = s%q
+            call from_native(body_momentum, s%class%turned, s%class, s%y, q, p)
+            do l = 1, s%n
+               self%q(s%at(l), :) = q(l, :)
             end do
          end associate
       end do
@@ -193,14 +187,12 @@ contains
       do k = 1, size(self%at)
          associate (s => self%at(k))
             g = 0
-            do l = 1, s%b%n
-               g(l, :) = self%torque(s%b%at(l), :)
+            do l = 1, s%n
+               g(l, :) = self%torque(s%at(l), :)
             end do
-            s%b%status = s%flows%status
-            call s%b%reject_values(g)
-            s%flows%status = s%b%status
-            call turn_to_body(self%plan%space_torque, self%plan%axes(:, s%b%class), s%flows%q, g)
-            s%flows%g = s%flows%g + g
+            call reject_values(s, g)
+            call turn_to_body(self%plan%space_torque, s%class%turned, s%class, s%q, g)
+            s%g = s%g + g
          end associate
       end do
    end subroutine ask_callback
@@ -211,7 +203,7 @@ contains
       real(dp), intent(in) :: t
       integer :: k, i
       do k = 1, size(self%at)
-         call self%at(k)%flows%start_gradient(t)
+         call self%at(k)%start_gradient(t)
       end do
       do i = 1, size(self%plan%effects)
          select type (one => self%plan%effects(i)%it)
@@ -219,24 +211,24 @@ contains
             self%changes = 0
             do k = 1, size(self%at)
                associate (s => self%at(k))
-                  if (one%acts_on(s%b%class)) then
-                     call one%lay_change(s%b%class, s%b%at, s%flows%q, s%flows%delta, self%changes)
+                  if (one%acts_on(s%number)) then
+                     call one%lay_change(s%number, s%at, s%q, s%delta, self%changes)
                   end if
                end associate
             end do
             do k = 1, size(self%at)
                associate (s => self%at(k))
-                  if (one%acts_on(s%b%class)) then
-                     call one%add_derivative(s%b%class, s%b%at, s%flows%q, s%flows%delta, &
+                  if (one%acts_on(s%number)) then
+                     call one%add_derivative(s%number, s%at, s%q, s%delta, &
                                              self%sources(:, :, i), self%changes, &
-                                             s%flows%gradient)
+                                             s%gradient)
                   end if
                end associate
             end do
          end select
       end do
       do k = 1, size(self%at)
-         call self%at(k)%flows%finish_gradient()
+         call self%at(k)%finish_gradient()
       end do
    end subroutine evaluate_gradients
 

@@ -4,7 +4,7 @@ module poinsot_scene_override
    use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: lower, quoted, text_of
-   use poinsot_scene_number, only: parse_integer, number_ok
+   use poinsot_core_number, only: parse_integer, number_ok
    use poinsot_scene_values, only: scan_values
    use poinsot_scene_source, only: scene_source, scene_group, scene_entry, append, find_group, &
       reject, from_option

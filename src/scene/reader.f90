@@ -13,7 +13,7 @@ module poinsot_scene_reader
    use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: text_of, quoted
-   use poinsot_scene_number, only: parse_integer, number_ok
+   use poinsot_core_number, only: parse_integer, number_ok
    use poinsot_scene_source, only: scene_entry, scene_group, scene_source, append, reject
    use poinsot_scene_load, only: load_text
    use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, scan_name, reject_key, &

@@ -244,7 +244,7 @@ contains
    end subroutine one_real
 
    subroutine one_integer(path, line, word, value, error)
-      use poinsot_scene_number, only: parse_integer, number_ok
+      use poinsot_core_number, only: parse_integer, number_ok
       character(*), intent(in) :: path, word
       integer, intent(in) :: line
       integer(i8), intent(out) :: value

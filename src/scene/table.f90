@@ -4,7 +4,7 @@ module poinsot_scene_table
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_scene_text, only: reason_of, text_of, quoted
-   use poinsot_scene_number, only: parse_real, number_ok
+   use poinsot_core_number, only: parse_real, number_ok
    use poinsot_scene_source, only: reject
    implicit none(type, external)
    private

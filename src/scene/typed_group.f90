@@ -4,6 +4,7 @@ module poinsot_scene_typed_group
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_nearest, only: suggestion
+   use poinsot_core_number, only: trusted_reals
    use poinsot_effect_settings, only: effect_info, effect_key, setting
    use poinsot_scene_text, only: text_of, quoted
    use poinsot_scene_source, only: scene_value, scene_entry, scene_group, reject, &
@@ -179,7 +180,7 @@ contains
       if (key%default == "" .or. key%default == "required") return
       deallocate (values)
       allocate (values(max(key%least, 1)))
-      read (key%default, *) values
+      call trusted_reals(key%default, values)
    end subroutine default_numbers
 
    !> Every number there, enough of them, and every required key.

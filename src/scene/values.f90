@@ -3,7 +3,7 @@ module poinsot_scene_values
    use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: lower, quoted
-   use poinsot_scene_number, only: parse_real, parse_integer, number_range, number_ok
+   use poinsot_core_number, only: parse_real, parse_integer, number_range, number_ok
    use poinsot_scene_source, only: scene_value, scene_entry, append, reject, value_number, &
       value_logical, value_text
    use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, reject_key, newline, tab, &

@@ -1,54 +1,49 @@
-!> The flows of one block with the effects of its body class: what `run_steps` composes for bodies
-!> that do not see each other. What is not there costs nothing: lists are made when the block is
-!> composed, and a block without torque has no kick in its scheme (`scheme_for`).
+!> One block of bodies of one class at work: their state, and the flows that a splitting composes.
+!>
+!> The block owns y, q, carry, status and id from the moment they are loaded until they are stored;
+!> whatever moves a body moves them here. What acts on it was composed when the plan was closed
+!> (poinsot_splitting_class_flows) and is looked at through pointers, for the length of a call.
 module poinsot_splitting_block_flows
    use poinsot_core_kinds, only: dp, i8, lanes
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_memory, &
-      poinsot_e_method
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_step
    use poinsot_core_lanes, only: any_failed
-   use poinsot_core_error, only: poinsot_error, raise
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, add_kick, add_kick_compensated
    use poinsot_free_limits, only: reject_speed, reject_torque
    use poinsot_free_method, only: free_method, advance
    use poinsot_effect_effect, only: effect_item, torque_effect, flow_effect
-   use poinsot_effect_gyrostat, only: gyrostat
+   use poinsot_effect_gyrostat, only: turn_increment, turn_is_too_long, add_kinetic
+   use poinsot_splitting_class_flows, only: class_flows
    use poinsot_splitting_stepper, only: flows
-   use poinsot_splitting_tableaux, only: splitting, free_scheme, turn_composition
    implicit none(type, external)
    private
    public :: block_flows
 
-   type :: torque_pointer
-      class(torque_effect), pointer :: it => null()
-   end type torque_pointer
-
-   type :: flow_pointer
-      class(flow_effect), pointer :: it => null()
-   end type flow_pointer
-
-   !> One block at work. Compose once per body class, then load y, q, status (and id, carry), step,
-   !> unload.
+   !> What is not asked for is not filled: `id`, `carry`, `at`, all work space, and what `attach`
+   !> sets. Nothing has a default, which would be copied with all the rest for every chunk.
    type, extends(flows) :: block_flows
-      real(dp) :: y(lanes, 3) = 0                        !! angular momenta
-      real(dp) :: q(lanes, 4) = 0                        !! attitudes
-      real(dp) :: carry(lanes, 7) = 0                    !! compensated sums, used if `compensated`
-      integer :: status(lanes) = poinsot_ok              !! a lane that is not ok stands still
-      integer(i8) :: id(lanes) = 0                       !! of the bodies, for random numbers
-      integer(i8) :: seed = 0
-      logical :: compensated = .false.
-      real(dp) :: g(lanes, 3) = 0                        !! body torque, valid if `fresh`
-      real(dp) :: delta(lanes, 3) = 0                    !! M g, while a force gradient is made
-      real(dp) :: gradient(lanes, 3) = 0                 !! force gradient G
-      type(body_class), pointer :: class => null()
-      type(free_method), pointer :: method => null()
-      type(torque_pointer), allocatable :: torques(:)
-      type(flow_pointer), allocatable :: dissipative(:)
-      type(gyrostat), allocatable :: rotor_sum               !! all rotors of the class as one
-      real(dp), allocatable :: weights(:)                !! composition of free rotation and turn
+      real(dp) :: y(lanes, 3)                 !! angular momenta, principal frame
+      real(dp) :: q(lanes, 4)                 !! attitudes
+      real(dp) :: carry(lanes, 7)             !! compensated sums, used if `compensated`
+      integer(i8) :: id(lanes)                !! of the bodies, for random numbers
+      integer :: status(lanes)                !! a lane that is not ok stands still
+      logical :: compensated
+      integer :: n                            !! bodies in it; the other lanes are padding at rest
+      integer :: at(lanes)                    !! where each stands in the caller's arrays; 0: padding
+      integer :: number                       !! of the body class
+      logical :: stored                       !! the caller's arrays have the result already
+      type(body_class), pointer :: class
+      ! set by `attach`: what acts on it
+      type(free_method), pointer :: method
+      type(class_flows), pointer :: acting
+      type(effect_item), pointer :: effects(:) !! of the plan
+      integer(i8) :: seed                     !! of random numbers
+      ! work space
+      real(dp) :: g(lanes, 3)                 !! body torque, valid if `fresh`
+      real(dp) :: delta(lanes, 3)             !! M g, while a force gradient is made
+      real(dp) :: gradient(lanes, 3)          !! force gradient G
    contains
-      procedure :: compose
-      procedure :: scheme_for
+      procedure :: attach
       procedure :: drift
       procedure :: kick
       procedure :: dissipative_half_step
@@ -62,120 +57,44 @@ module poinsot_splitting_block_flows
 
 contains
 
-   !> Pick the effects that act on a body class. POINSOT_E_METHOD if the scheme needs a force
-   !> gradient that an effect does not have. Pair effects are not taken: they need all blocks.
-   subroutine compose(self, class, number, method, scheme, effects, error)
+   !> Say what acts on the bodies. Everything must stay where it is as long as the block works.
+   subroutine attach(self, class, method, acting, effects, seed)
       class(block_flows), intent(inout) :: self
-      type(body_class), intent(in), target :: class !! must outlive the block, as must the next
-      integer, intent(in) :: number                       !! of the class, from 1
+      type(body_class), intent(in), target :: class
       type(free_method), intent(in), target :: method
-      type(splitting), intent(in) :: scheme
+      type(class_flows), intent(in), target :: acting
       type(effect_item), intent(in), target :: effects(:)
-      type(poinsot_error), intent(inout) :: error
-      integer :: i, torques, dissipative, failed
+      integer(i8), intent(in) :: seed
       self%class => class
       self%method => method
-      if (allocated(self%rotor_sum)) deallocate (self%rotor_sum)
-      if (allocated(self%torques)) deallocate (self%torques)
-      if (allocated(self%dissipative)) deallocate (self%dissipative)
-      torques = 0
-      dissipative = 0
-      do i = 1, size(effects)
-         if (.not. effects(i)%it%acts_on(number)) cycle
-         select type (one => effects(i)%it)
-         class is (torque_effect)
-            torques = torques + 1
-            if (scheme%needs_gradient .and. .not. one%has_gradient()) then
-               call raise(error, poinsot_e_method, "splitting '" // trim(scheme%name) // &
-                          "' needs a force gradient, which effect '" // trim(one%name) // &
-                          "' does not have; srkn4 and srkn6 need none")
-               return
-            end if
-         class is (flow_effect)
-            dissipative = dissipative + 1
-         class is (gyrostat)
-            if (class%sorted(1) <= 0 .and. any(abs(one%rotor) > 0)) then
-               call raise(error, poinsot_e_domain, "effect 'gyrostat': a linear body, which " // &
-                  "has a moment of zero, holds no rotor; name another class by key 'class'")
-               return
-            end if
-            call add_rotor(self, one, scheme%order)
-         end select
-      end do
-      failed = 0
-      if (torques > 0) allocate (self%torques(torques), stat=failed)
-      if (dissipative > 0 .and. failed == 0) allocate (self%dissipative(dissipative), stat=failed)
-      if (failed /= 0) then
-         call raise(error, poinsot_e_memory)
-         return
-      end if
-      self%has_dissipation = dissipative > 0
-      call point(self, number, effects)
-   end subroutine compose
+      self%acting => acting
+      self%effects => effects
+      self%seed = seed
+      self%fresh = .false.
+      self%halted = .false.
+      self%has_dissipation = size(acting%dissipative) > 0
+   end subroutine attach
 
-   !> Momenta of rotors add.
-   subroutine add_rotor(self, one, order)
-      class(block_flows), intent(inout) :: self
-      type(gyrostat), intent(in) :: one
-      integer, intent(in) :: order
-      if (allocated(self%rotor_sum)) then
-         self%rotor_sum%rotor = self%rotor_sum%rotor + one%rotor
-      else
-         self%rotor_sum = one
-         call turn_composition(order, self%weights)
-      end if
-   end subroutine add_rotor
-
-   subroutine point(self, number, effects)
-      class(block_flows), intent(inout) :: self
-      integer, intent(in) :: number
-      type(effect_item), intent(in), target :: effects(:)
-      integer :: i, torques, dissipative
-      torques = 0
-      dissipative = 0
-      do i = 1, size(effects)
-         if (.not. effects(i)%it%acts_on(number)) cycle
-         select type (one => effects(i)%it)
-         class is (torque_effect)
-            torques = torques + 1
-            self%torques(torques)%it => one
-         class is (flow_effect)
-            dissipative = dissipative + 1
-            self%dissipative(dissipative)%it => one
-         end select
-      end do
-   end subroutine point
-
-   !> The scheme itself, or the bare free rotation where there is no torque.
-   function scheme_for(self, scheme) result(chosen)
-      class(block_flows), intent(in) :: self
-      type(splitting), intent(in) :: scheme
-      type(splitting) :: chosen
-      if (allocated(self%torques)) then
-         chosen = scheme
-      else
-         chosen = free_scheme()
-      end if
-   end function scheme_for
-
-   !> Free rotation over h; with a gyrostat composed with its turn.
+   !> Free rotation over h; with a rotor composed with its turn.
    subroutine drift(self, h)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       integer :: i, n
       self%fresh = .false.
-      if (.not. allocated(self%rotor_sum)) then
+      if (.not. self%class%has_rotor) then
          call rotate(self, h)
          return
       end if
-      n = size(self%weights)
-      call turn(self, 0.5_dp*self%weights(1)*h)
-      do i = 1, n - 1
-         call rotate(self, self%weights(i)*h)
-         call turn(self, 0.5_dp*(self%weights(i) + self%weights(i + 1))*h)
-      end do
-      call rotate(self, self%weights(n)*h)
-      call turn(self, 0.5_dp*self%weights(n)*h)
+      associate (weights => self%acting%weights)
+         n = size(weights)
+         call turn(self, 0.5_dp*weights(1)*h)
+         do i = 1, n - 1
+            call rotate(self, weights(i)*h)
+            call turn(self, 0.5_dp*(weights(i) + weights(i + 1))*h)
+         end do
+         call rotate(self, weights(n)*h)
+         call turn(self, 0.5_dp*weights(n)*h)
+      end associate
    end subroutine drift
 
    subroutine rotate(self, h)
@@ -188,11 +107,16 @@ contains
       end if
    end subroutine rotate
 
+   !> The turn of the rotor. One whose angle has no right digit: POINSOT_E_STEP.
    subroutine turn(self, h)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       real(dp) :: dy(lanes, 3), dq(lanes, 4), hl(lanes)
-      call self%rotor_sum%turn_increment(self%class, h, self%y, self%q, dy, dq)
+      if (turn_is_too_long(self%class, h)) then
+         where (self%status == poinsot_ok) self%status = poinsot_e_step
+         return
+      end if
+      call turn_increment(self%class, h, self%y, self%q, dy, dq)
       hl = merge(h, 0.0_dp, self%status == poinsot_ok)
       call mask_failed_lanes(self%status, dy)
       call mask_failed_lanes(self%status, dq)
@@ -236,9 +160,11 @@ contains
       real(dp), intent(in) :: t
       integer :: i
       self%g = 0
-      if (.not. allocated(self%torques)) return
-      do i = 1, size(self%torques)
-         call self%torques(i)%it%add_torque(self%class, t, self%q, self%g)
+      do i = 1, size(self%acting%torques)
+         select type (one => self%effects(self%acting%torques(i))%it)
+         class is (torque_effect)
+            call one%add_torque(self%class, t, self%q, self%g)
+         end select
       end do
    end subroutine start_torque
 
@@ -258,9 +184,11 @@ contains
          self%delta(:, i) = self%class%inverse(i)*self%g(:, i)
       end do
       self%gradient = 0
-      if (.not. allocated(self%torques)) return
-      do i = 1, size(self%torques)
-         call self%torques(i)%it%add_derivative(self%class, t, self%q, self%delta, self%gradient)
+      do i = 1, size(self%acting%torques)
+         select type (one => self%effects(self%acting%torques(i))%it)
+         class is (torque_effect)
+            call one%add_derivative(self%class, t, self%q, self%delta, self%gradient)
+         end select
       end do
    end subroutine start_gradient
 
@@ -305,20 +233,35 @@ contains
       end do
    end subroutine mask_massless_axes
 
-   !> Flows outside the scheme, in reverse order after the step.
+   !> Flows outside the scheme, in reverse order after the step. They act on I omega = y - s, what
+   !> damps and heats a body with a rotor.
    subroutine dissipative_half_step(self, h, step, half)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       integer(i8), intent(in) :: step
       integer, intent(in) :: half
-      integer :: i, k
-      do i = 1, size(self%dissipative)
-         k = merge(i, size(self%dissipative) + 1 - i, half == 0)
-         call self%dissipative(k)%it%apply(self%class, h, self%seed, self%id, step, half, self%q, &
-            self%y)
+      integer :: i, k, n
+      n = size(self%acting%dissipative)
+      if (self%class%has_rotor) call add_rotor(-self%class%rotor, self%y)
+      do i = 1, n
+         k = self%acting%dissipative(merge(i, n + 1 - i, half == 0))
+         select type (one => self%effects(k)%it)
+         class is (flow_effect)
+            call one%apply(self%class, h, self%seed, self%id, step, half, self%q, self%y)
+         end select
       end do
+      if (self%class%has_rotor) call add_rotor(self%class%rotor, self%y)
       call reject_speed(self%class, self%y, self%status)
    end subroutine dissipative_half_step
+
+   pure subroutine add_rotor(rotor, y)
+      real(dp), intent(in) :: rotor(3)
+      real(dp), intent(inout) :: y(lanes, 3)
+      integer :: j
+      do j = 1, 3
+         y(:, j) = y(:, j) + rotor(j)
+      end do
+   end subroutine add_rotor
 
    !> Kinetic and potential energy of every lane at time t.
    subroutine energies(self, t, kinetic, potential)
@@ -328,16 +271,18 @@ contains
       integer :: i, j
       kinetic = 0
       potential = 0
-      if (allocated(self%rotor_sum)) then
-         call self%rotor_sum%add_kinetic(self%class, self%y, kinetic)
+      if (self%class%has_rotor) then
+         call add_kinetic(self%class, self%y, kinetic)
       else
          do j = 1, 3
             kinetic = kinetic + 0.5_dp*(self%y(:, j)*self%class%inverse(j))*self%y(:, j)
          end do
       end if
-      if (.not. allocated(self%torques)) return
-      do i = 1, size(self%torques)
-         call self%torques(i)%it%add_energy(self%class, t, self%q, potential)
+      do i = 1, size(self%acting%torques)
+         select type (one => self%effects(self%acting%torques(i))%it)
+         class is (torque_effect)
+            call one%add_energy(self%class, t, self%q, potential)
+         end select
       end do
    end subroutine energies
 

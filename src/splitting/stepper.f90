@@ -10,11 +10,12 @@ module poinsot_splitting_stepper
    !> evaluates it when `fresh` is false, sets `fresh`, and leaves it; `drift` clears `fresh`. So
    !> the torque at the end of a step serves the start of the next (same attitudes, same time),
    !> while the two kicks stay two sums.
+   !>
+   !> Nothing has a default here: a block is made for every call, and filled.
    type, abstract :: flows
-      logical :: fresh = .false.        !! is the stored torque that of the present attitudes?
-      logical :: has_dissipation = .false.
-      !! is there a flow outside the scheme (drag, thermostat)?
-      logical :: halted = .false.       !! set by a kick that cannot go on: no further flow is run
+      logical :: fresh              !! is the stored torque that of the present attitudes?
+      logical :: has_dissipation    !! is there a flow outside the scheme (drag, thermostat)?
+      logical :: halted             !! set by a kick that cannot go on: no further flow is run
    contains
       procedure(drift), deferred :: drift
       procedure(kick), deferred :: kick

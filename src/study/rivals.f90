@@ -4,7 +4,7 @@ module poinsot_study_rivals
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io
-   use poinsot_scene_number, only: parse_real, number_ok
+   use poinsot_core_number, only: parse_real, number_ok
    use poinsot_scene_text, only: text_of
    implicit none(type, external)
    private

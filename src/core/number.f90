@@ -1,17 +1,17 @@
-!> Numbers as a scene file may write them, checked letter by letter before Fortran reads them: a
-!> host may run with floating-point traps on, so a text such as 1e999 must never reach the run-time
-!> library.
-module poinsot_scene_number
+!> Numbers as people write them, in scene files, settings and tables, checked letter by letter before
+!> Fortran reads them: a host may run with floating-point traps on, so a text such as 1e999 must
+!> never reach the run-time library.
+module poinsot_core_number
    use poinsot_core_kinds, only: dp, i8
-   use poinsot_scene_text, only: lower
    implicit none(type, external)
    private
-   public :: parse_real, parse_integer
+   public :: parse_real, parse_integer, trusted_reals
    public :: number_ok, number_no, number_range
 
    integer, parameter :: number_ok = 0    !! read
    integer, parameter :: number_no = 1    !! not a number
-   integer, parameter :: number_range = 2 !! a number beyond 1e307 in size, or not finite
+   integer, parameter :: number_range = 2 !! a number beyond 1e307 in size, an integer beyond 64 bits, or
+                                          !! not finite
 
 contains
 
@@ -84,12 +84,13 @@ contains
       if (word(mark + 1:mark + 1) == "-") power = -power
    end subroutine parse_power
 
-   !> An integer: [+-]digits, at most 18 of them.
+   !> An integer: [+-]digits, of 64 bits.
    pure subroutine parse_integer(text, value, outcome)
       character(*), intent(in) :: text
       integer(i8), intent(out) :: value
       integer, intent(out) :: outcome !! number_ok, number_no or number_range
-      integer :: at
+      integer :: at, i
+      integer(i8) :: digit
       value = 0
       outcome = number_no
       if (len(text) == 0) return
@@ -98,9 +99,44 @@ contains
       if (at > len(text)) return
       if (verify(text(at:), "0123456789") > 0) return
       outcome = number_range
-      if (len(text) - at + 1 > 18) return
-      read (text, *) value
+      do i = at, len(text)
+         digit = iachar(text(i:i)) - iachar("0")
+         if (value > (huge(value) - digit)/10) return
+         value = 10*value + digit
+      end do
+      if (text(1:1) == "-") value = -value
       outcome = number_ok
    end subroutine parse_integer
 
-end module poinsot_scene_number
+   !> The numbers of a text of our own, apart by commas or blanks: no check, what is no number is 0.
+   pure subroutine trusted_reals(text, values)
+      character(*), intent(in) :: text
+      real(dp), intent(out) :: values(:)
+      integer :: k, at, last, outcome
+      values = 0
+      at = 1
+      do k = 1, size(values)
+         if (at > len(text)) return
+         last = verify(text(at:), " ,")
+         if (last == 0) return
+         at = at + last - 1
+         last = scan(text(at:), " ,") + at - 2
+         if (last < at) last = len(text)
+         call parse_real(text(at:last), values(k), outcome)
+         at = last + 1
+      end do
+   end subroutine trusted_reals
+
+   !> Capital letters made small.
+   pure function lower(text) result(small)
+      character(*), intent(in) :: text
+      character(len(text)) :: small
+      integer :: i, code
+      small = text
+      do i = 1, len(text)
+         code = iachar(text(i:i))
+         if (code >= iachar("A") .and. code <= iachar("Z")) small(i:i) = achar(code + 32)
+      end do
+   end function lower
+
+end module poinsot_core_number
