@@ -114,7 +114,8 @@ contains
       end if
       if (study%stopped) call print_error("asked to stop: what was measured until then is written")
       if (.not. options%quiet) call show_file(out // "/cost.txt")
-      if (options%pictures) call draw_pictures(cost_pictures(study), out, options%quiet)
+      call draw_pictures(cost_pictures(study), out, options%quiet, &
+                         scripts_only=.not. options%pictures)
       if (.not. options%quiet) call say("written to " // out)
       code = merge(exit_usage, exit_ok, code == exit_usage)
    end subroutine measure

@@ -1,11 +1,12 @@
-!> Where scenes are: a file, or a name in the folders where scenes are kept.
+!> Where scenes are: a file, or a name in the folders where scenes are kept; and where the other
+!> files are that belong to this program.
 module app_find_scene
    use poinsot_core_nearest, only: suggestion
    use app_arguments, only: word, word_list
    use app_terminal, only: executable_folder, environment
    implicit none(type, external)
    private
-   public :: find_scene, missing_scene, scene_folders, shipped_scenes
+   public :: find_scene, missing_scene, scene_folders, shipped_scenes, find_shared
 
    character(*), parameter :: ending = ".nml"
 
@@ -70,6 +71,27 @@ contains
          call add(folders, above // "/scenes")
       end do
    end subroutine scene_folders
+
+   !> A folder or file of share/poinsot by its name there: in POINSOT_SHARE, else in PREFIX or the
+   !> source tree that this program stands in; "" if it is not found.
+   subroutine find_shared(name, path)
+      character(*), intent(in) :: name
+      character(:), allocatable, intent(out) :: path
+      character(:), allocatable :: above
+      logical :: found
+      integer :: i
+      above = executable_folder()
+      path = environment("POINSOT_SHARE") // "/" // name
+      do i = 0, 4 ! as in scene_folders
+         if (len(path) > len(name) + 1) then
+            inquire (file=path, exist=found)
+            if (found) return
+         end if
+         above = above(:max(index(above, "/", back=.true.) - 1, 0))
+         path = above // "/share/poinsot/" // name
+      end do
+      path = ""
+   end subroutine find_shared
 
    !> One more, if it is a folder.
    subroutine add(folders, name)

@@ -78,7 +78,8 @@ contains
          call run_book(out, options, code)
          return
       end if
-      if (options%pictures) call draw_pictures([options%scene], out, options%quiet)
+      call draw_pictures([options%scene], out, options%quiet, &
+                         scripts_only=.not. options%pictures)
       if (.not. options%quiet) call say("written to " // out)
       code = exit_ok
    end subroutine command_reproduce

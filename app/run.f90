@@ -225,10 +225,8 @@ contains
          if (ranks%number > 0) return
       end if
       if (.not. options%quiet) call show_file(out // "/summary.txt")
-      if (options%pictures) then
-         call picture_names(scene, names)
-         call draw_pictures(names, out, options%quiet)
-      end if
+      call picture_names(scene, names)
+      call draw_pictures(names, out, options%quiet, scripts_only=.not. options%pictures)
       if (.not. options%quiet) call say("written to " // out)
    end subroutine run_it
 

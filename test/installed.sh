@@ -121,6 +121,24 @@ files() {
    if nm "$prefix/lib/libpoinsot.a" | grep -q testdrive; then echo "test-drive is in the library"; return 1; fi
 }
 app() { "$prefix/bin/poinsot" --version | grep -F "$version"; }
+# Every picture of a run, of a scene whose name is hostile to shells, to gnuplot and to SVG; each once more from another folder.
+scene_pictures() {
+   rm -rf build/installed/run
+   mkdir -p build/installed/run
+   scene="build/installed/run/o'clock \`touch run-by-name\`\$(touch run-by-name)<&\"@~^_%g.nml"
+   printf '%s\n' "&scene t_end = 2, h = 0.1 /" "&bodies moments = 2, 2, 1, random = 'thermal', temperature = 1, count = 3 /" \
+      "&gravity centre = 1, 0, 0 /" "&output every = 0.1, pictures = 'body top, tilt+angle ensemble' /" >"$scene"
+   "$prefix/bin/poinsot" run "$scene" --quiet --out "${scene%.nml}" || return 1
+   for name in attitude momentum drift nutation tilt angle temperature momenta; do
+      [ -s "${scene%.nml}/$name.png" ] && [ -s "${scene%.nml}/$name.svg" ] || { cat "${scene%.nml}"/*.log; return 1; }
+   done
+   cp -r "${scene%.nml}" build/installed/run/moved
+   for script in build/installed/run/moved/plot_*.gp; do
+      said=$(cd build/installed/run/moved && gnuplot "${script##*/}" 2>&1)
+      [ -z "$said" ] || { echo "$script: $said"; return 1; }
+   done
+   if find . -name run-by-name | grep .; then return 1; fi
+}
 # Every script that a study writes is drawn; gnuplot leaves a log where it complains.
 study_pictures() {
    for study in "cost heavy-top --splittings srkn6,omelyan4 --budget 3s" "cost free-body --budget 3s" "reproduce review" \
@@ -219,8 +237,10 @@ fi
 [ ! -x "$prefix/bin/poinsot" ] || expect "app" app
 [ ! -x "$prefix/bin/poinsot" ] || [ "$(uname)" != Linux ] || expect "no-memory-app" no_memory_app
 if [ -x "$prefix/bin/poinsot" ] && have gnuplot; then
+   expect "scene-pictures" scene_pictures
    expect "study-pictures" study_pictures
 else
+   skip "scene-pictures" "no gnuplot"
    skip "study-pictures" "no gnuplot"
 fi
 ! have pkg-config || expect "elsewhere" elsewhere

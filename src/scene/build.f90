@@ -5,7 +5,7 @@ module poinsot_scene_build
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_nearest, only: suggestion
    use poinsot_effect_settings, only: effect_info, setting
-   use poinsot_scene_text, only: text_of, quoted
+   use poinsot_scene_text, only: text_of, quoted, joined, next_word
    use poinsot_scene_source, only: scene_source, find_group, reject
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
@@ -209,6 +209,8 @@ contains
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: axis(:), centre(:)
       integer :: i
+      call check_pictures(group, scene%output%pictures, error)
+      if (raised(error)) return
       call numbers_of(group, "axis", axis)
       scene%output%rate = number_of(group, "rate")
       allocate (centre(0))
@@ -230,6 +232,26 @@ contains
       axis = axis/maxval(abs(axis))
       scene%output%axis = axis/norm2(axis)
    end subroutine build_pictures
+
+   !> Are these the kinds of pictures there are? `auto` and `none` stand alone.
+   subroutine check_pictures(group, kinds, error)
+      type(typed_group), intent(in) :: group
+      character(*), intent(in) :: kinds
+      type(poinsot_error), intent(inout) :: error
+      character(*), parameter :: known(5) = [character(8) :: "body", "top", "tilt", "angle", &
+                                             "ensemble"]
+      character(:), allocatable :: rest, kind
+      if (kinds == "auto" .or. kinds == "none") return
+      rest = kinds
+      call next_word(rest, kind)
+      if (kind == "") call reject_key(group, "pictures", &
+         "= '' names no picture; 'none' draws nothing", error)
+      do while (kind /= "" .and. .not. raised(error))
+         if (.not. any(known == kind)) call reject_key(group, "pictures", "= " // quoted(kinds) // &
+            ": " // quoted(kind) // " is not one of: auto none, alone, or " // joined(known), error)
+         call next_word(rest, kind)
+      end do
+   end subroutine check_pictures
 
    !> How many bodies are written.
    pure integer(i8) function written(scene)

@@ -73,8 +73,8 @@ contains
             "trajectory.csv, trajectory.xyz (OVITO), or both"), &
          text_key("restart", "restart.txt", "", &
             "name of the restart file in the output folder; '' = none"), &
-         text_key("pictures", "auto", "auto none body top tilt angle ensemble", &
-            "what is drawn from trajectory.csv"), &
+         text_key("pictures", "auto", "", &
+            "auto, none, or some of: body top tilt angle ensemble"), &
          number_key("axis", 3, 3, "", "direction", &
             "body axis that pictures follow; default 3, or a top's own"), &
          number_key("rate", 1, 1, "0", "radians per time", &

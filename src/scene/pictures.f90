@@ -1,90 +1,192 @@
-!> Pictures: gnuplot scripts beside the trajectory. They are always written; whoever has gnuplot
-!> runs them (the app does), again whenever wanted. Projection and hidden parts are worked out in
-!> the scripts themselves, so that they are plain plots in any terminal, readable in grey.
+!> Pictures of a run: which it has, and trajectory.gp, what their scripts need to know of it. The
+!> scripts themselves, plot_NAME.gp, are gnuplot's own (share/poinsot/plots); whoever draws puts
+!> them beside the trajectory (the app does), and they can be run again whenever wanted.
 module poinsot_scene_pictures
+   use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_scene_settings, only: scene_settings
-   use poinsot_scene_plots_body, only: write_attitude
-   use poinsot_scene_plots_momentum, only: write_momentum
-   use poinsot_scene_plots_drift, only: write_drift
-   use poinsot_scene_plots_top, only: write_nutation, write_angle, write_tilt
-   use poinsot_scene_plots_ensemble, only: write_temperature, write_momenta, wanted_temperature
+   use poinsot_scene_files, only: out_file, open_out, put, finish_out
+   use poinsot_scene_integrals, only: integral_list, scene_integrals
+   use poinsot_scene_plot_data, only: put_variable
+   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_text, only: next_word
    implicit none(type, external)
    private
    public :: write_pictures, picture_names, picture_files
 
    character(*), parameter :: all_names(8) = [character(16) :: "attitude", "momentum", "drift", &
                                               "nutation", "tilt", "angle", "temperature", "momenta"]
+   character(*), parameter :: shared(4) = [character(16) :: "trajectory.gp", "motion.gp", &
+                                           "common.gp", "ends.gp"]
 
 contains
 
-   !> Names of the pictures that a scene has. NAME is drawn by plot_NAME.gp, into NAME.svg and
-   !> NAME.png.
+   !> Names of the pictures that a scene has, each once. NAME is drawn by plot_NAME.gp, into NAME.svg
+   !> and NAME.png.
    subroutine picture_names(scene, names)
       type(scene_settings), intent(in) :: scene !! the typed scene
       character(16), allocatable, intent(out) :: names(:)
+      character(:), allocatable :: rest, kind
       allocate (names(0))
       if (.not. (scene%output%present .and. scene%output%csv)) return
-      select case (scene%output%pictures)
-      case ("body")
-         names = [character(16) :: "attitude", "momentum", "drift"]
-      case ("top")
-         names = [character(16) :: "nutation", "drift"]
-      case ("tilt")
-         names = [character(16) :: "tilt", "drift"]
-      case ("angle")
-         names = [character(16) :: "angle", "drift"]
-      case ("ensemble")
-         names = [character(16) :: "temperature", "momenta"]
-         if (.not. wanted_temperature(scene) > 0) names = [character(16) :: "drift"]
-      case default
-         continue ! none
-      end select
+      rest = scene%output%pictures
+      do
+         call next_word(rest, kind)
+         select case (kind)
+         case ("")
+            return
+         case ("body")
+            call add([character(16) :: "attitude", "momentum", "drift"])
+         case ("top")
+            call add([character(16) :: "nutation", "drift"])
+         case ("tilt")
+            call add([character(16) :: "tilt", "drift"])
+         case ("angle")
+            call add([character(16) :: "angle", "drift"])
+         case ("ensemble")
+            if (wanted_temperature(scene) > 0) then
+               call add([character(16) :: "temperature", "momenta"])
+            else
+               call add([character(16) :: "drift"])
+            end if
+         case default
+            continue ! none
+         end select
+      end do
+
+   contains
+
+      subroutine add(more)
+         character(16), intent(in) :: more(:)
+         integer :: i
+         do i = 1, size(more)
+            if (.not. any(names == more(i))) names = [character(16) :: names, more(i)]
+         end do
+      end subroutine add
+
    end subroutine picture_names
 
    !> Every file that drawing may leave, of this scene or another.
    subroutine picture_files(names)
       character(40), allocatable, intent(out) :: names(:)
       integer :: i
-      allocate (names(3*size(all_names)))
+      names = [character(40) :: shared]
       do i = 1, size(all_names)
-         names(3*i - 2) = "plot_" // trim(all_names(i)) // ".gp"
-         names(3*i - 1) = trim(all_names(i)) // ".svg"
-         names(3*i) = trim(all_names(i)) // ".png"
+         names = [character(40) :: names, "plot_" // trim(all_names(i)) // ".gp", &
+                  trim(all_names(i)) // ".svg", trim(all_names(i)) // ".png"]
       end do
    end subroutine picture_files
 
-   !> Write the scripts. Error: POINSOT_E_IO.
+   !> kT of the thermostat if there is one, else of the first momenta.
+   pure real(dp) function wanted_temperature(scene) result(kt)
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      integer :: i, k
+      kt = maxval(scene%bodies%temperature)
+      do i = 1, size(scene%effects)
+         if (scene%effects(i)%name /= "langevin") cycle
+         do k = 1, size(scene%effects(i)%settings)
+            if (scene%effects(i)%settings(k)%key == "temperature") then
+               kt = scene%effects(i)%settings(k)%values(1)
+            end if
+         end do
+      end do
+   end function wanted_temperature
+
+   !> Write trajectory.gp, if the scene has pictures. Error: POINSOT_E_IO.
    subroutine write_pictures(scene, out, error)
       type(scene_settings), intent(in) :: scene !! the typed scene
       character(*), intent(in) :: out           !! the folder of the trajectory
       type(poinsot_error), intent(inout) :: error
       character(16), allocatable :: names(:)
-      character(:), allocatable :: path
-      integer :: i
+      type(out_file) :: file
+      integer :: written
       call picture_names(scene, names)
-      do i = 1, size(names)
-         if (raised(error)) return
-         path = out // "/plot_" // trim(names(i)) // ".gp"
-         select case (trim(names(i)))
-         case ("attitude")
-            call write_attitude(scene, path, error)
-         case ("momentum")
-            call write_momentum(scene, path, error)
-         case ("drift")
-            call write_drift(scene, path, error)
-         case ("nutation")
-            call write_nutation(scene, path, error)
-         case ("tilt")
-            call write_tilt(scene, path, error)
-         case ("angle")
-            call write_angle(scene, path, error)
-         case ("temperature")
-            call write_temperature(scene, path, error)
-         case default
-            call write_momenta(scene, path, error)
-         end select
-      end do
+      if (size(names) == 0) return
+      call open_out(out // "/trajectory.gp", file, error)
+      if (raised(error)) return
+      written = size(scene%output%bodies)
+      if (written == 0) written = int(body_total(scene))
+      call put(file, "# What plot_*.gp need to know of trajectory.csv.", error)
+      call put_variable(file, "bodies", written, error)
+      call put(file, "# which of them is drawn where only one is, from 0", error)
+      call put_variable(file, "body", 0, error)
+      call put_groups(scene, file, error)
+      call put(file, "# the axis that pictures follow; the rate of the frame that an angle is " // &
+               "seen from", error)
+      call put_variable(file, "axis", scene%output%axis, error)
+      call put_variable(file, "rate", scene%output%rate, error)
+      call put_variable(file, "kt", max(wanted_temperature(scene), tiny(1.0_dp)), error)
+      call put_integrals(scene, file, error)
+      call finish_out(file, error)
    end subroutine write_pictures
+
+   !> What the bodies are like.
+   subroutine put_groups(scene, file, error)
+      type(scene_settings), intent(in) :: scene
+      type(out_file), intent(in) :: file
+      type(poinsot_error), intent(inout) :: error
+      real(dp), dimension(3, size(scene%bodies)) :: moments, wheels
+      real(dp) :: axes(3, 3, size(scene%bodies))
+      integer :: last(size(scene%bodies)), g, j
+      do g = 1, size(scene%bodies)
+         last(g) = int(sum(scene%bodies(:g)%count))
+         moments(:, g) = scene%bodies(g)%moments
+         axes(:, :, g) = 0
+         do j = 1, 3
+            axes(j, j, g) = 1
+         end do
+         if (scene%bodies(g)%turned) axes(:, :, g) = scene%bodies(g)%axes
+         wheels(:, g) = matmul(wheel_of(scene, g), axes(:, :, g))
+      end do
+      call put(file, "# groups of bodies: the last body of each; three moments; principal " // &
+               "axes in the given frame,", error)
+      call put(file, "# one after another; momentum of wheels along them; does the frame " // &
+               "differ from the axes", error)
+      call put_variable(file, "groups", size(scene%bodies), error)
+      call put_variable(file, "last_body", last, error)
+      call put_variable(file, "moments", reshape(moments, [size(moments)]), error)
+      call put_variable(file, "axes", reshape(axes, [size(axes)]), error)
+      call put_variable(file, "wheels", reshape(wheels, [size(wheels)]), error)
+      call put_variable(file, "turned", merge(1, 0, scene%bodies%turned), error)
+   end subroutine put_groups
+
+   !> Momentum of the wheels of a group's bodies, in the given frame.
+   pure function wheel_of(scene, group) result(wheel)
+      type(scene_settings), intent(in) :: scene
+      integer, intent(in) :: group
+      real(dp) :: wheel(3), rotor(3)
+      integer :: i, k, class
+      wheel = 0
+      do i = 1, size(scene%effects)
+         if (scene%effects(i)%name /= "gyrostat") cycle
+         class = 0
+         rotor = 0
+         associate (settings => scene%effects(i)%settings)
+            do k = 1, size(settings)
+               if (settings(k)%key == "class") class = nint(settings(k)%values(1))
+               if (settings(k)%key == "rotor") rotor = settings(k)%values
+            end do
+         end associate
+         if (class == 0 .or. class == group) wheel = wheel + rotor
+      end do
+   end function wheel_of
+
+   !> What stays constant.
+   subroutine put_integrals(scene, file, error)
+      type(scene_settings), intent(in) :: scene
+      type(out_file), intent(in) :: file
+      type(poinsot_error), intent(inout) :: error
+      type(integral_list) :: list
+      call scene_integrals(scene, list)
+      call put(file, "# what stays constant, a strip of drift.png each; W of T + U - W.L; the " // &
+               "axis of a symmetric top", error)
+      call put_variable(file, "kept", list%words, error)
+      call put_variable(file, "spin", list%spin, error)
+      call put_variable(file, "symmetry", list%symmetry, error)
+      call put(file, "# Kovalevskaya's integral: axes of equal moments, direction of the " // &
+               "centre there, weight |centre|/I", error)
+      call put_variable(file, "equal", list%equal, error)
+      call put_variable(file, "first", list%first, error)
+      call put_variable(file, "pull", list%pull, error)
+   end subroutine put_integrals
 
 end module poinsot_scene_pictures

@@ -3,7 +3,7 @@ module poinsot_scene_text
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
    private
-   public :: lower, text_of, printable, joined, quoted, escaped, reason_of
+   public :: lower, text_of, printable, joined, quoted, escaped, reason_of, next_word
 
    !> A number as text: integers plainly, reals with the fewest digits that keep their bits.
    interface text_of
@@ -154,6 +154,22 @@ contains
          text = text // trim(words(i))
       end do
    end function joined
+
+   !> Take the first of the words that blanks, commas or plus signs separate; "" if none is left.
+   pure subroutine next_word(rest, word)
+      character(:), allocatable, intent(inout) :: rest
+      character(:), allocatable, intent(out) :: word
+      character(*), parameter :: separators = " ,+"
+      integer :: from, length
+      from = verify(rest, separators)
+      word = ""
+      if (from == 0) return
+      rest = rest(from:)
+      length = scan(rest, separators) - 1
+      if (length < 0) length = len(rest)
+      word = rest(:length)
+      rest = rest(length + 1:)
+   end subroutine next_word
 
    !> A text between single quotes for a POSIX shell, whatever it holds.
    pure function escaped(text) result(safe)
