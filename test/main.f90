@@ -22,6 +22,7 @@ program check_poinsot
    use test_rattle, only: collect_rattle
    use test_repeat, only: collect_repeat
    use test_rotation, only: collect_rotation
+   use test_pictures, only: collect_pictures
    use test_scene, only: collect_scene
    use test_splitting, only: collect_splitting
    use test_study, only: collect_study
@@ -45,6 +46,7 @@ program check_poinsot
       new_testsuite("splitting", collect_splitting), &
       new_testsuite("ensemble", collect_ensemble), &
       new_testsuite("scene", collect_scene), &
+      new_testsuite("pictures", collect_pictures), &
       new_testsuite("study", collect_study), &
       new_testsuite("repeat", collect_repeat), &
       new_testsuite("choose", collect_choose), &

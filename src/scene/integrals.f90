@@ -158,7 +158,7 @@ contains
       along = abs(abs(dot_product(v, w)) - norm2(v)*norm2(w)) <= same*norm2(v)*norm2(w)
    end function along
 
-   !> A key's three numbers, the effect's default if the scene does not say; a direction has length 1.
+   !> A key's three numbers, its default if the scene does not say; a direction has length 1.
    function vector_in(item, key) result(vector)
       type(effect_setting), intent(in) :: item
       character(*), intent(in) :: key

@@ -20,8 +20,8 @@ module poinsot_scene_pictures
 
 contains
 
-   !> Names of the pictures that a scene has, each once. NAME is drawn by plot_NAME.gp, into NAME.svg
-   !> and NAME.png.
+   !> Names of the pictures that a scene has, each once. NAME is drawn by plot_NAME.gp, into
+   !> NAME.svg and NAME.png.
    subroutine picture_names(scene, names)
       type(scene_settings), intent(in) :: scene !! the typed scene
       character(16), allocatable, intent(out) :: names(:)

@@ -1,0 +1,149 @@
+!> Pictures of a run: which a scene has, what stays constant in it, and texts that reach gnuplot.
+module test_pictures
+   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use poinsot_core_kinds, only: dp
+   use poinsot_core_error, only: poinsot_error, raised, clear
+   use poinsot_scene_build, only: build_scene
+   use poinsot_scene_integrals, only: integral_list, scene_integrals
+   use poinsot_scene_pictures, only: picture_names
+   use poinsot_scene_plot_data, only: quoted_text
+   use poinsot_scene_reader, only: read_source, scan_source
+   use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_source, only: scene_source
+   use poinsot_scene_text, only: joined
+   implicit none(type, external)
+   private
+   public :: collect_pictures
+
+   character, parameter :: nl = achar(10)
+   character(*), parameter :: top = "&scene t_end=1 h=0.1 /" // nl // &
+      "&bodies moments=2,2,1 y=1.8,0.4,-0.9 /" // nl
+
+contains
+
+   subroutine collect_pictures(testsuite)
+      type(unittest_type), allocatable, intent(out) :: testsuite(:)
+      testsuite = [ &
+         new_unittest("several-kinds", several_kinds), &
+         new_unittest("kinds-refused", kinds_refused), &
+         new_unittest("integrals-of-shipped-scenes", shipped_integrals), &
+         new_unittest("integrals-of-tops", top_integrals), &
+         new_unittest("texts-for-gnuplot", gnuplot_texts)]
+   end subroutine collect_pictures
+
+   subroutine make(text, scene, failure)
+      character(*), intent(in) :: text
+      type(scene_settings), intent(out) :: scene
+      type(poinsot_error), intent(inout) :: failure
+      type(scene_source) :: source
+      call clear(failure)
+      call scan_source(text, "test.nml", source, failure)
+      if (.not. raised(failure)) call build_scene(source, scene, failure)
+   end subroutine make
+
+   subroutine several_kinds(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: texts(5) = [character(24) :: "none", "auto", "tilt", &
+         "top body", "angle+body, tilt  top"]
+      character(*), parameter :: names(5) = [character(60) :: "", "attitude, momentum, drift", &
+         "tilt, drift", "nutation, drift, attitude, momentum", &
+         "angle, drift, attitude, momentum, tilt, nutation"]
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      character(16), allocatable :: found(:)
+      integer :: i
+      do i = 1, size(texts)
+         call make(top // "&output every=0.5 pictures='" // trim(texts(i)) // "' /", scene, failure)
+         call check(error,.not. raised(failure), trim(texts(i)) // ": refused")
+         if (allocated(error)) return
+         call picture_names(scene, found)
+         call check(error, joined(found) == trim(names(i)), trim(texts(i)) // ": " // joined(found))
+         if (allocated(error)) return
+      end do
+   end subroutine several_kinds
+
+   subroutine kinds_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: texts(5) = [character(12) :: "bodies", "", "auto body", &
+         "body none", "body, topp"]
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      integer :: i
+      do i = 1, size(texts)
+         call make(top // "&output every=0.5 pictures='" // trim(texts(i)) // "' /", scene, failure)
+         call check(error, raised(failure), "taken: " // trim(texts(i)))
+         if (allocated(error)) return
+         call check(error, index(failure%message, "test.nml:3") > 0, failure%message)
+         if (allocated(error)) return
+      end do
+   end subroutine kinds_refused
+
+   subroutine shipped_integrals(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: names(10) = [character(16) :: "free-body", "tennis-racket", &
+         "heavy-top", "sleeping-top", "kovalevskaya", "satellite", "rotating-field", &
+         "dipole-chain", "gyrostat", "thermostat"]
+      character(*), parameter :: kept(10) = [character(44) :: "energy length momentum norm", &
+         "energy length momentum norm", "energy vertical norm", "energy vertical norm", &
+         "energy vertical kovalevskaya norm", "rotating norm", "rotating norm", "energy norm", &
+         "energy length momentum norm", "work norm"]
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      type(scene_source) :: source
+      type(integral_list) :: list
+      integer :: i
+      do i = 1, size(names)
+         call read_source("scenes/" // trim(names(i)) // ".nml", source, failure)
+         if (.not. raised(failure)) call build_scene(source, scene, failure)
+         call check(error,.not. raised(failure), names(i))
+         if (allocated(error)) return
+         call scene_integrals(scene, list)
+         call check(error, list%words, trim(kept(i)), names(i))
+         if (allocated(error)) return
+         if (names(i) == "rotating-field") call check(error, abs(list%spin(3) - 0.5_dp) <= 0, "W")
+         if (allocated(error)) return
+      end do
+   end subroutine shipped_integrals
+
+   !> The third integral is there exactly for Lagrange's and Kovalevskaya's tops; what pulls sideways,
+   !> works, or turns otherwise takes integrals away.
+   subroutine top_integrals(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: texts(9) = [character(120) :: &
+         "&gravity centre=0,0,-1 /", "&gravity centre=0.6,0.8,0 weight=2 /", &
+         "&gravity centre=1,0,0.1 /", "&gravity centre=0,0,1 up=1,0,0 /", &
+         "&gravity centre=0,0,1 up=0,0,-3 /", &
+         "&gravity centre=0,0,1 /" // nl // "&drag friction=1 /", &
+         "&field dipole=1,0,0 strength=0,0,2 /" // nl // "&gravity centre=1,0,0 /", &
+         "&gravity_gradient rate=1 /" // nl // "&field dipole=1,0,0 strength=1,0,0 " // &
+         "motion='rotating' frequency=2 /", &
+         "&gravity_gradient rate=1 normal=0,0,2 /" // nl // "&gravity centre=1,0,0 /"]
+      character(*), parameter :: kept(9) = [character(44) :: "energy vertical symmetry norm", &
+         "energy vertical kovalevskaya norm", "energy vertical norm", "energy norm", &
+         "energy vertical symmetry norm", "work norm", "energy vertical norm", "work norm", &
+         "rotating norm"]
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      type(integral_list) :: list
+      integer :: i
+      do i = 1, size(texts)
+         call make(top // trim(texts(i)), scene, failure)
+         call check(error,.not. raised(failure), trim(texts(i)) // " refused")
+         if (allocated(error)) return
+         call scene_integrals(scene, list)
+         call check(error, list%words, trim(kept(i)), trim(texts(i)))
+         if (allocated(error)) return
+         if (i /= 2) cycle
+         call check(error, abs(list%pull - 2) + abs(list%first(2) - 0.8_dp) < 1e-14_dp, "pull")
+         if (allocated(error)) return
+      end do
+   end subroutine top_integrals
+
+   subroutine gnuplot_texts(error)
+      type(error_type), allocatable, intent(out) :: error
+      call check(error, quoted_text("it's `x` $(y) ""z"" <&"), "'it''s `x` $(y) ""z"" <&'")
+      if (allocated(error)) return
+      call check(error, quoted_text("a" // nl // "b" // achar(127)), "'a?b?'")
+   end subroutine gnuplot_texts
+
+end module test_pictures
