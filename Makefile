@@ -2,7 +2,11 @@
 #
 # Variables: FC             the Fortran compiler (gfortran)
 #            MPI=1          of make build: also the app for several processes, build/mpi/poinsot; MPIFC its compiler (mpifort)
-#            PORTABLE=1     for any processor of this kind, not this one only
+#            PORTABLE=1     for any processor of this kind, not this one only; TARGET=levels: x86-64, -v3 and -v4 in one
+#                           installation, the loader chooses (by CMake); TARGET=x86-64-v3 and the like: that one
+#            BUILDER        fpm or cmake; else fpm where it is there, CMake where it is not
+#            BUILD          the folder of builds (build); elsewhere, for sources that cannot be written to: by CMake
+#            SETUP=no       install and fetch nothing; say what is missing
 #            EXTRA_FLAGS    added to the compiler's flags
 #            SUITE          of make test: the suite, or suite and test, to run
 #            PICTURES=no    of make demo: without gnuplot
@@ -18,10 +22,10 @@ LIBDIR ?= lib
 MODDIR ?= include/poinsot
 SUITE ?=
 MPI ?=
-export FC PORTABLE EXTRA_FLAGS PICTURES
+BUILD ?= build
+export FC PORTABLE TARGET EXTRA_FLAGS PICTURES BUILDER BUILD SETUP
 
-fpm := build/tools/bin/fpm
-stage := build/stage
+stage := $(BUILD)/stage
 out := poinsot-out
 
 .PHONY: all setup build demo test check-deep test-mpi bench lint docs install uninstall clean distclean help
@@ -29,13 +33,8 @@ out := poinsot-out
 
 all: build
 
-# Without pruning: the library holds every module, not only those that the app reaches. Objects of the tests go when
-# a module was compiled anew: fpm compiles again what uses a changed module only if it is of the same run.
 build: setup ## set up what is missing; build library and app (into build/stage)
-	@$(fpm) install --no-prune --prefix $(stage) --compiler $(FC) --flag "$$(tools/flags.sh release)" \
-	   --c-flag "$$(tools/flags.sh c)" --link-flag "$$(tools/flags.sh link)" >build/build.log 2>&1 || { cat build/build.log; exit 1; }
-	@grep -q "up to date" build/build.log || rm -f build/*/poinsot/test_*.o build/*/poinsot/test_*.o.digest
-	@echo "built: $(stage)/bin/poinsot and $(stage)/lib/libpoinsot.a"
+	@tools/build.sh stage
 	@[ "$(MPI)" != 1 ] || tools/mpi.sh
 
 demo: build ## build, then run the free body and the heavy top, leave pictures
@@ -72,7 +71,7 @@ uninstall: ## remove what install put under PREFIX
 	@tools/install.sh uninstall "$(PREFIX)" "$(DESTDIR)" "$(LIBDIR)" "$(MODDIR)"
 
 clean: ## remove what was built; tools and dependencies stay
-	@find build -mindepth 1 -maxdepth 1 ! -name tools ! -name dependencies -exec rm -rf {} + 2>/dev/null; true
+	@find $(BUILD) -mindepth 1 -maxdepth 1 ! -name tools ! -name dependencies ! -name wheels -exec rm -rf {} + 2>/dev/null; true
 
 distclean: ## remove everything that was not in the repository
 	rm -rf build $(out)

@@ -6,7 +6,7 @@ module app_terminal
    implicit none(type, external)
    private
    public :: error_is_terminal, catch_interrupts, was_interrupted, executable_folder
-   public :: say, print_error, environment
+   public :: say, print_error, environment, leave
 
    integer(c_int), parameter :: signal_hangup = 1, signal_interrupt = 2, signal_terminate = 15, &
       signal_file_size = 25
@@ -16,6 +16,12 @@ module app_terminal
    logical, volatile, save :: interrupted = .false.
 
    interface
+      subroutine c_exit(code) bind(c, name="exit")
+         import :: c_int
+         implicit none(type, external)
+         integer(c_int), value, intent(in) :: code
+      end subroutine c_exit
+
       integer(c_int) function c_isatty(descriptor) bind(c, name="isatty")
          import :: c_int
          implicit none(type, external)
@@ -39,6 +45,15 @@ module app_terminal
    end interface
 
 contains
+
+   !> End the program with an exit code and without a word (STOP has one for every code, before
+   !> gfortran 12). Files are flushed.
+   subroutine leave(code)
+      integer, intent(in) :: code
+      flush (output_unit)
+      flush (error_unit)
+      call c_exit(int(code, c_int))
+   end subroutine leave
 
    !> Is standard error a terminal?
    logical function error_is_terminal()

@@ -2,6 +2,7 @@
 program poinsot_processes
    use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
    use app_commands, only: run_command
+   use app_terminal, only: leave
    use mpi_communicators, only: mpi_communicator, start_mpi, finish_mpi
    implicit none(type, external)
    type(mpi_communicator) :: ranks
@@ -13,5 +14,5 @@ program poinsot_processes
    end if
    call run_command(code, ranks)
    call finish_mpi()
-   if (code /= 0) stop code, quiet=.true.
+   if (code /= 0) call leave(code)
 end program poinsot_processes

@@ -4,9 +4,10 @@
 
 set -u
 cd "$(dirname "$0")/.." || exit 1
-root=$PWD
-work=$root/build/installed
-prefix="$work/a prefix"
+BUILD=${BUILD:-build}
+export BUILD
+work=$BUILD/installed
+case $work in /*) prefix="$work/a prefix" ;; *) prefix="$PWD/$work/a prefix" ;; esac
 FC=${FC:-gfortran} CC=${CC:-cc} PYTHON=${PYTHON:-python3}
 export FC
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' fpm.toml)
@@ -37,32 +38,32 @@ have() { command -v "$1" >/dev/null 2>&1; }
 config() { PKG_CONFIG_PATH=$prefix/lib/pkgconfig pkg-config "$@" poinsot; }
 
 by_hand() {
-   "$CC" -std=c99 test/consumer/consumer.c -o build/installed/build/by-hand -I"$prefix/include" -L"$prefix/lib" -lpoinsot -lm &&
-      LD_LIBRARY_PATH=$prefix/lib build/installed/build/by-hand
+   "$CC" -std=c99 test/consumer/consumer.c -o $work/build/by-hand -I"$prefix/include" -L"$prefix/lib" -lpoinsot -lm &&
+      LD_LIBRARY_PATH=$prefix/lib $work/build/by-hand
 }
 # pkg-config escapes the blank of the prefix; eval takes it back.
 shared_c() {
-   eval "$CC -std=c99 -pedantic -Wall -Wextra -Werror test/consumer/consumer.c -o build/installed/build/shared \
-      $(config --cflags --libs) -lm" && LD_LIBRARY_PATH=$prefix/lib build/installed/build/shared
+   eval "$CC -std=c99 -pedantic -Wall -Wextra -Werror test/consumer/consumer.c -o $work/build/shared \
+      $(config --cflags --libs) -lm" && LD_LIBRARY_PATH=$prefix/lib $work/build/shared
 }
 static_c() {
-   eval "$CC -std=c99 test/consumer/consumer.c -o build/installed/build/static $(config --cflags --libs --static |
-      sed 's/-lpoinsot/-l:libpoinsot.a/')" && build/installed/build/static
+   eval "$CC -std=c99 test/consumer/consumer.c -o $work/build/static $(config --cflags --libs --static |
+      sed 's/-lpoinsot/-l:libpoinsot.a/')" && $work/build/static
 }
 cpp() { eval "c++ -std=c++11 -Wall -Wextra -Werror -fsyntax-only -x c++ $(config --cflags) $header"; }
 fortran() {
-   eval "$FC -J build/installed/build test/consumer/consumer.f90 -o build/installed/build/fortran $(config --cflags --libs)" &&
-      LD_LIBRARY_PATH=$prefix/lib build/installed/build/fortran
+   eval "$FC -J $work/build test/consumer/consumer.f90 -o $work/build/fortran $(config --cflags --libs)" &&
+      LD_LIBRARY_PATH=$prefix/lib $work/build/fortran
 }
 cmake_c() {
-   cmake -S test/consumer -B build/installed/cmake -DCMAKE_PREFIX_PATH="$prefix" && cmake --build build/installed/cmake &&
-      build/installed/cmake/with_poinsot && build/installed/cmake/with_static
+   cmake -S test/consumer -B $work/cmake -DCMAKE_PREFIX_PATH="$prefix" && cmake --build $work/cmake &&
+      $work/cmake/with_poinsot && $work/cmake/with_static
 }
 # A source of example/ or test/, $2, against the installed shared library, with flags $1; then it runs.
 with_shared() {
    compiler=$CC
    case ${2%% *} in *.f | *.f90) compiler=$FC ;; *.cpp) compiler=c++ ;; esac
-   program=build/installed/build/$(basename "${2%% *}" | tr . -)
+   program=$work/build/$(basename "${2%% *}" | tr . -)
    eval "$compiler $1 $2 -o $program $(config --cflags --libs) -lm" &&
       OMP_NUM_THREADS=2 LD_LIBRARY_PATH=$prefix/lib $program
 }
@@ -71,41 +72,41 @@ same_top() {
 }
 legacy_md() { PKG_CONFIG_PATH=$prefix/lib/pkgconfig test/legacy_md.sh "$work/legacy_md"; }
 other_compiler() {
-   "$FC" -fsyntax-only -std=f2008 -pedantic -Wall -J build/installed/build "$prefix/include/poinsot_interface.f90" &&
-      "$FC" -J build/installed/build "$prefix/include/poinsot_interface.f90" test/consumer/interface.f90 -L"$prefix/lib" -lpoinsot \
-         -o build/installed/build/interface && LD_LIBRARY_PATH=$prefix/lib build/installed/build/interface
+   "$FC" -fsyntax-only -std=f2008 -pedantic -Wall -J $work/build "$prefix/include/poinsot_interface.f90" &&
+      "$FC" -J $work/build "$prefix/include/poinsot_interface.f90" test/consumer/interface.f90 -L"$prefix/lib" -lpoinsot \
+         -o $work/build/interface && LD_LIBRARY_PATH=$prefix/lib $work/build/interface
 }
 abuse_sanitized() {
-   eval "$CC -std=c99 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined test/c/abuse.c -o build/installed/build/abuse-s \
-      $(config --cflags --libs) -lm -lpthread" && LD_LIBRARY_PATH=$prefix/lib build/installed/build/abuse-s
+   eval "$CC -std=c99 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined test/c/abuse.c -o $work/build/abuse-s \
+      $(config --cflags --libs) -lm -lpthread" && LD_LIBRARY_PATH=$prefix/lib $work/build/abuse-s
 }
 sanitizers_work() {
    echo 'int main(void) { return 0; }' >"$work/try.c" && "$CC" -fsanitize=address,undefined "$work/try.c" -o "$work/try" 2>/dev/null && "$work/try"
 }
 no_memory() {
-   eval "$CC -std=c99 test/c/memory.c -o build/installed/build/memory $(config --cflags --libs)" &&
-      OMP_NUM_THREADS=1 LD_LIBRARY_PATH=$prefix/lib build/installed/build/memory
+   eval "$CC -std=c99 test/c/memory.c -o $work/build/memory $(config --cflags --libs)" &&
+      OMP_NUM_THREADS=1 LD_LIBRARY_PATH=$prefix/lib $work/build/memory
 }
 memory_flat() {
-   eval "$CC -std=c99 -Wall -Wextra -Werror test/c/flat.c -o build/installed/build/flat $(config --cflags --libs)" &&
-      OMP_NUM_THREADS=1 LD_LIBRARY_PATH=$prefix/lib build/installed/build/flat
+   eval "$CC -std=c99 -Wall -Wextra -Werror test/c/flat.c -o $work/build/flat $(config --cflags --libs)" &&
+      OMP_NUM_THREADS=1 LD_LIBRARY_PATH=$prefix/lib $work/build/flat
 }
 # A scene of 3e8 bodies in an address space of 2 GB: a message and exit code 1, not a signal.
 no_memory_app() {
-   (ulimit -v 2000000 && OMP_NUM_THREADS=1 "$prefix/bin/poinsot" run free-body --set bodies.count=300000000 --out build/installed/large)
+   (ulimit -v 2000000 && OMP_NUM_THREADS=1 "$prefix/bin/poinsot" run free-body --set bodies.count=300000000 --out $work/large)
    code=$?
    echo "exit code $code"
    [ $code = 1 ]
 }
 has_numpy() { "$PYTHON" -c "import numpy" 2>/dev/null; }
 older_processor() {
-   eval "$CC -std=c99 test/consumer/older.c -o build/installed/build/older $(config --cflags --libs)" &&
-      LD_LIBRARY_PATH=$prefix/lib qemu-x86_64 -cpu Nehalem build/installed/build/older
+   eval "$CC -std=c99 test/consumer/older.c -o $work/build/older $(config --cflags --libs)" &&
+      LD_LIBRARY_PATH=$prefix/lib qemu-x86_64 -cpu Nehalem $work/build/older
 }
 # valgrind does not know AVX-512: for builds without it (PORTABLE=1).
 abuse_valgrind() {
    LD_LIBRARY_PATH=$prefix/lib valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
-      build/installed/build/abuse-c
+      $work/build/abuse-c
 }
 without_avx512() { LD_LIBRARY_PATH=$prefix/lib "$PYTHON" -c "
 import ctypes, sys
@@ -143,32 +144,33 @@ scene_pictures() {
 study_pictures() {
    for study in "cost heavy-top --splittings srkn6,omelyan4 --budget 3s" "cost free-body --budget 3s" "reproduce review" \
       "reproduce hairer-vilmart" "reproduce fasso" "reproduce celledoni --budget 5s"; do
-      rm -rf build/installed/study
+      rm -rf $work/study
       # shellcheck disable=SC2086 # words
-      "$prefix/bin/poinsot" $study --quiet --out build/installed/study || return 1
-      for script in build/installed/study/plot_*.gp; do
+      "$prefix/bin/poinsot" $study --quiet --out $work/study || return 1
+      for script in "$work"/study/plot_*.gp; do
          picture=${script%.gp}
-         picture=build/installed/study/${picture##*/plot_}
-         [ -s "$picture.png" ] && [ -s "$picture.svg" ] || { echo "$study: no $picture"; cat build/installed/study/plot_*.log; return 1; }
+         picture=$work/study/${picture##*/plot_}
+         [ -s "$picture.png" ] && [ -s "$picture.svg" ] || { echo "$study: no $picture"; cat $work/study/plot_*.log; return 1; }
       done
    done
 }
 exports() { test/exports.sh "$prefix/lib/libpoinsot.so" "$prefix/lib/libpoinsot.a"; }
 # Enough threads of OpenMP that are still there when the library is closed.
 unload() {
-   "$CC" -std=c99 -D_POSIX_C_SOURCE=200809L test/consumer/unload.c -o build/installed/build/unload -ldl &&
-      OMP_NUM_THREADS=3 build/installed/build/unload "$prefix/lib/libpoinsot.so"
+   "$CC" -std=c99 -D_POSIX_C_SOURCE=200809L test/consumer/unload.c -o $work/build/unload -ldl &&
+      OMP_NUM_THREADS=3 $work/build/unload "$prefix/lib/libpoinsot.so"
 }
-no_component() { ! cmake -S test/consumer -B build/installed/nonsense -DCMAKE_PREFIX_PATH="$prefix" -DWITH=nonsense; }
+no_component() { ! cmake -S test/consumer -B $work/nonsense -DCMAKE_PREFIX_PATH="$prefix" -DWITH=nonsense; }
 # Another place for libraries and modules, in another prefix; with what was installed by an earlier series.
 elsewhere() {
-   other=$work/other
-   tools/install.sh install "$other" "" "$other/lib64/deep" "$work/mods" && ls "$other/lib64/deep/libpoinsot.so" "$work/mods/poinsot.mod" &&
+   here=${prefix%/*}
+   other=$here/other
+   tools/install.sh install "$other" "" "$other/lib64/deep" "$here/mods" && ls "$other/lib64/deep/libpoinsot.so" "$here/mods/poinsot.mod" &&
       touch "$other/lib64/deep/libpoinsot.so.0.0" && echo lib64/deep/libpoinsot.so.0.0 >>"$other/share/poinsot/installed.txt" &&
-      eval "$FC -fsyntax-only test/consumer/consumer.f90 -J build/installed/build \
+      eval "$FC -fsyntax-only test/consumer/consumer.f90 -J $work/build \
          $(PKG_CONFIG_PATH=$other/lib64/deep/pkgconfig pkg-config --cflags poinsot)" &&
-      tools/install.sh install "$other" "" lib64/deep "$work/mods" && ls "$other/lib64/deep/libpoinsot.so.0.0" &&
-      tools/install.sh uninstall "$other" && [ -z "$(find "$other" -mindepth 1)" ] && [ ! -e "$work/mods" ]
+      tools/install.sh install "$other" "" lib64/deep "$here/mods" && ls "$other/lib64/deep/libpoinsot.so.0.0" &&
+      tools/install.sh uninstall "$other" && [ -z "$(find "$other" -mindepth 1)" ] && [ ! -e "$here/mods" ]
 }
 nothing_left() { [ "$(cd "$prefix" && find . | sort | tr '\n' ' ')" = ". ./stranger " ] || { find "$prefix"; return 1; }; }
 

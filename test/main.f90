@@ -2,6 +2,7 @@
 !> --deep: the long suites too; --without: all but one, unless it is named.
 !> The last line is "N passed, M failed"; the exit code is non-zero if a test failed or none ran.
 program check_poinsot
+   use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: output_unit
    use testdrive, only: testsuite_type, unittest_type, new_testsuite, select_suite, select_test
    use testdrive, only: run_selected, get_argument
@@ -27,6 +28,14 @@ program check_poinsot
    use test_splitting, only: collect_splitting
    use test_study, only: collect_study
    implicit none(type, external)
+
+   interface
+      subroutine c_exit(code) bind(c, name="exit")
+         import :: c_int
+         implicit none(type, external)
+         integer(c_int), value, intent(in) :: code
+      end subroutine c_exit
+   end interface
 
    type(testsuite_type), allocatable :: suites(:)
    character(:), allocatable :: suite, test, without
@@ -94,7 +103,7 @@ program check_poinsot
    if (skipped > 0) write (output_unit, '(i0, " skipped")') skipped
    write (output_unit, '(i0, " passed, ", i0, " failed")') run - failed - skipped, failed
    flush (output_unit)
-   if (run == skipped .or. failed > 0) stop 1, quiet=.true.
+   if (run == skipped .or. failed > 0) call c_exit(1_c_int)
 
 contains
 

@@ -2,7 +2,8 @@
 # Compiler flags, as far as the compiler accepts them.
 #
 # usage: tools/flags.sh release | checking | c | link
-# environment: FC the compiler (gfortran), PORTABLE=1 for any processor of this kind, EXTRA_FLAGS added at the end
+# environment: FC the compiler (gfortran), PORTABLE=1 or TARGET=portable for any processor of this kind, TARGET=x86-64-v3 or another
+#    name that -march= knows instead of this one, EXTRA_FLAGS added at the end
 
 set -u
 FC=${FC:-gfortran}
@@ -22,8 +23,8 @@ release)
    # No -ffast-math: it deletes compensated sums and tests for NaN. Position-independent code, because the same objects make the
    # shared library; without interposition the compiler may still inline; what nobody calls, the linker leaves out of it by
    # sections.
-   native=-march=native
-   [ "${PORTABLE:-0}" = 1 ] && native=
+   native=-march=${TARGET:-native}
+   { [ "${PORTABLE:-0}" = 1 ] || [ "${TARGET:-}" = portable ]; } && native=
    printf '%s ' -O3
    accepted $native -mprefer-vector-width=512 -fopenmp -fPIC -fno-semantic-interposition -ffunction-sections -fdata-sections
    ;;

@@ -13,7 +13,8 @@ FC=${FC:-gfortran} CC=${CC:-cc}
 targets=${1:-all} inputs=${2:-20000} seed=${3:-1}
 [ "$targets" = all ] && targets="scene restart abi"
 flags=${FUZZ_FLAGS:--O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer}
-out=build/fuzz
+BUILD=${BUILD:-build}
+out=$BUILD/fuzz
 mkdir -p $out/objects
 
 # The library anew if a source is younger than it; then the fuzzer itself.

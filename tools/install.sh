@@ -17,7 +17,8 @@ case $prefix in /*) ;; *) prefix=$PWD/$prefix ;; esac
 root=$destdir$prefix
 libdir=${libdir#"$prefix"/} moddir=${moddir#"$prefix"/}
 list=share/poinsot/installed.txt
-stage=build/stage
+BUILD=${BUILD:-build}
+stage=$BUILD/stage
 FC=${FC:-gfortran}
 
 # Remove what the list names, last first: files, and folders (they end in /) if nothing else is in them.
@@ -117,6 +118,49 @@ modules() {
    esac
 }
 
+# What fpm built.
+put_each() {
+   put 644 "$scratch/libpoinsot.a" "$libdir/libpoinsot.a"
+   put 755 "$scratch/$shared" "$libdir/$shared"
+   link_to "$shared" "$libdir/$soname"
+   link_to "$soname" "$libdir/$plain"
+   for file in $(modules); do put 644 "$file" "$moddir/$(basename "$file")"; done
+   for file in include/*; do put 644 "$file" "$file"; done
+   tools/install/cdef.sh >"$scratch/poinsot_cdef.h"
+   put 644 "$scratch/poinsot_cdef.h" include/poinsot_cdef.h
+   filled poinsot.pc
+   put 644 "$scratch/poinsot.pc" "$libdir/pkgconfig/poinsot.pc"
+   for file in poinsotConfig.cmake poinsotConfigVersion.cmake; do
+      filled $file
+      put 644 "$scratch/$file" "$libdir/cmake/poinsot/$file"
+   done
+   put 755 $stage/bin/poinsot bin/poinsot
+   put 644 docs/poinsot.1 share/man/man1/poinsot.1
+   for file in scenes/*; do put 644 "$file" "share/poinsot/$file"; done
+   find share -type f 2>/dev/null | sort >"$scratch/share"
+   while IFS= read -r file; do put 644 "$file" "$file"; done <"$scratch/share"
+   put 644 LICENSE share/poinsot/LICENSE
+}
+
+# What CMake built: installed by its own rules (tools/install/rules.cmake) into a folder here, and put from there.
+from_cmake() {
+   cmake -S . -B "$BUILD/cmake" -DCMAKE_INSTALL_PREFIX="$prefix" -DCMAKE_INSTALL_LIBDIR="$libdir" -DPOINSOT_MODDIR="$moddir" \
+      >"$scratch/log" 2>&1 && DESTDIR=$scratch/tree cmake --install "$BUILD/cmake" >"$scratch/log" 2>&1 ||
+      { cat "$scratch/log" >&2; stop "CMake could not install"; }
+}
+put_tree() {
+   (cd "$scratch/tree" && find . ! -type d | sed 's/^\.//' | sort) >"$scratch/files"
+   while IFS= read -r file; do
+      from=$scratch/tree$file
+      if [ -h "$from" ]; then
+         folder "$(dirname "${file#"$prefix"/}")"
+         link_to "$(readlink "$from")" "${file#"$prefix"/}"
+      elif [ -x "$from" ]; then put 755 "$from" "${file#"$prefix"/}"
+      else put 644 "$from" "${file#"$prefix"/}"
+      fi
+   done <"$scratch/files"
+}
+
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
@@ -127,7 +171,7 @@ if [ "$action" = uninstall ]; then
    exit 0
 fi
 [ "$action" = install ] || stop "unknown: $action (install, uninstall)"
-[ -f $stage/lib/libpoinsot.a ] || stop "no $stage/lib/libpoinsot.a: run make build first"
+[ -f "$stage/lib/libpoinsot.a" ] || stop "no $stage/lib/libpoinsot.a: run make build first"
 mkdir -p "$root" 2>/dev/null && [ -w "$root" ] || stop "no permission to write to $root: choose another PREFIX="
 
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' fpm.toml)
@@ -136,9 +180,14 @@ if [ "$(uname)" = Darwin ]; then
 else
    shared=libpoinsot.so.$version soname=libpoinsot.so.${version%.*} plain=libpoinsot.so
 fi
-private=$(private_libraries)
-make_static
-make_shared
+builder=$(cat "$BUILD/builder" 2>/dev/null) || builder=fpm
+if [ "$builder" = cmake ]; then
+   from_cmake
+else
+   private=$(private_libraries)
+   make_static
+   make_shared
+fi
 kept=
 if [ -f "$root/$list" ]; then
    cp "$root/$list" "$scratch/before"
@@ -147,28 +196,9 @@ if [ -f "$root/$list" ]; then
    uninstall
    sed -n '/\/$/p' "$scratch/before" | while IFS= read -r it; do [ ! -d "$(place "$it")" ] || echo "$it"; done >>"$scratch/list"
 fi
-
-put 644 "$scratch/libpoinsot.a" "$libdir/libpoinsot.a"
-put 755 "$scratch/$shared" "$libdir/$shared"
-link_to "$shared" "$libdir/$soname"
-link_to "$soname" "$libdir/$plain"
-for file in $(modules); do put 644 "$file" "$moddir/$(basename "$file")"; done
-for file in include/*; do put 644 "$file" "$file"; done
-tools/install/cdef.sh >"$scratch/poinsot_cdef.h"
-put 644 "$scratch/poinsot_cdef.h" include/poinsot_cdef.h
-filled poinsot.pc
-put 644 "$scratch/poinsot.pc" "$libdir/pkgconfig/poinsot.pc"
-for file in poinsotConfig.cmake poinsotConfigVersion.cmake; do
-   filled $file
-   put 644 "$scratch/$file" "$libdir/cmake/poinsot/$file"
-done
-[ ! -f $stage/bin/poinsot ] || put 755 $stage/bin/poinsot bin/poinsot
-put 644 docs/poinsot.1 share/man/man1/poinsot.1
-for file in scenes/*; do put 644 "$file" "share/poinsot/$file"; done
-[ ! -d share ] || find share -type f >"$scratch/share"
-[ ! -d share ] || while IFS= read -r file; do put 644 "$file" "$file"; done <"$scratch/share"
-put 644 LICENSE share/poinsot/LICENSE
+if [ "$builder" = cmake ]; then put_tree; else put_each; fi
 [ -z "$kept" ] || echo "$kept" >>"$scratch/list"
+folder share/poinsot
 echo "$list" >>"$scratch/list"
 cp "$scratch/list" "$root/$list"
 echo "installed under $root: $(grep -vc '/$' "$scratch/list") files"

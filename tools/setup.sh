@@ -2,28 +2,36 @@
 # Set-up: what is missing to build poinsot is installed, what is there is used. Says what it does.
 #
 # usage: tools/setup.sh [build | demo | lint | docs | mpi | deep] ...
-#   build (always): Fortran compiler, LAPACK, git, fpm, test-drive;   demo: and gnuplot;   lint: fortitude;   docs: FORD;
-#   mpi: MPICH, if there is no MPI compiler;   deep: on Debian and its kin valgrind and LLVM's flang, if that can be done (the deep
-#   checks skip what is not there)
+#   build (always): Fortran compiler, LAPACK, and fpm or CMake to build with;   demo: and gnuplot;   lint: fpm, fortitude;
+#   docs: FORD;   mpi: MPICH, if there is no MPI compiler;   deep: on Debian and its kin valgrind and LLVM's flang, if that can be
+#   done (the deep checks skip what is not there)
 #
-# Compiler, LAPACK, gnuplot, git and pip come from the system's own package manager (apt, dnf, brew or conda); fpm, fortitude and
-# FORD from PyPI into build/tools, so nothing of the user's Python changes; test-drive from its repository into
-# build/dependencies, or, where that does not answer, the stand-in of tools/testdrive.
-# environment: FC the Fortran compiler (gfortran), PYTHON the Python (python3), PICTURES=no a demo without gnuplot
+# fpm builds where it is there (on the PATH, or in build/tools from an earlier set-up); CMake where fpm is not; where neither is,
+# fpm is fetched from PyPI. The choice is left in $BUILD/builder. Compiler, LAPACK, gnuplot, git and pip come from the system's own
+# package manager (apt, dnf, brew or conda); fpm, fortitude and FORD from PyPI, or from wheels in build/wheels, into build/tools, so
+# nothing of the user's Python changes; test-drive from its repository into build/dependencies, or, where that does not answer, the
+# stand-in of tools/testdrive.
+# environment: SETUP=no installs and fetches nothing; BUILDER=fpm or cmake; BUILD the folder of builds (build; elsewhere: CMake);
+#   FC the Fortran compiler (gfortran), PYTHON the Python (python3), PICTURES=no a demo without gnuplot
 
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
 FC=${FC:-gfortran}
 PYTHON=${PYTHON:-python3}
+BUILD=${BUILD:-build}
 fpm_version=0.12.0
 fortitude_version=0.10.0
 ford_version=7.0.13
+oldest_gfortran=11
+oldest_cmake=3.18
 tools=build/tools
+wheels=build/wheels
 test_drive=build/dependencies/test-drive
 
 say() { printf 'setup: %s\n' "$*"; }
 stop() { printf 'setup: %s\n' "$@" >&2; exit 1; }
+stop_with_log() { printf 'setup: %s\n' "$1" >&2; tail -n 20 "$scratch/log" >&2; exit 1; }
 have() { command -v "$1" >/dev/null 2>&1; }
 
 # Run a command, for so many seconds at most.
@@ -43,6 +51,18 @@ trap 'exit 1' HUP INT TERM
 # Does a program that calls LAPACK and BLAS compile and link? Whether it is the compiler or the libraries is asked in turn.
 links() { "$FC" $(tools/flags.sh link) "$scratch/$1.f90" -o "$scratch/$1" $2 >"$scratch/log" 2>&1; }
 compiler_works() { have "$FC" && links plain ""; }
+# Older compilers fail in the middle, with messages that name no reason.
+compiler_is_new_enough() {
+   "$FC" --version 2>/dev/null | grep -q '^GNU Fortran' || return 0
+   number=$("$FC" -dumpversion)
+   [ "${number%%.*}" -ge $oldest_gfortran ] || stop "$FC is gfortran $number; poinsot needs gfortran $oldest_gfortran or newer" \
+      "name another with FC=, gfortran-12 say"
+}
+cmake_works() {
+   have cmake && cmake --version | awk -v want=$oldest_cmake '
+      function number(text, part) { split(text, part, "."); return 1e3*part[1] + part[2] }
+      NR == 1 { exit !(number($3) >= number(want)) }'
+}
 lapack_works() { links lapack "-llapack -lblas"; }
 pip_works() { have "$PYTHON" && "$PYTHON" -m pip --version >/dev/null 2>&1; }
 
@@ -91,10 +111,15 @@ describe() {
 
 # Install the needs named, or stop and say what to do.
 install() {
+   if [ "${SETUP:-yes}" = no ]; then
+      with=$(manager)
+      stop "to be installed by hand (SETUP=no): $(for it in "$@"; do package "${with:-none}" "$it"; done | tr '\n' ' ')" \
+         "$(for it in "$@"; do describe "$it"; done | sed '2,$s/^/       /')"
+   fi
    for it in "$@"; do say "missing: $(describe "$it")"; done
    case " $* " in *" compiler "*) [ "$FC" = gfortran ] || stop "FC=$FC does not work here; FC=gfortran could be installed" ;; esac
    with=$(manager)
-   [ -n "$with" ] || stop "found no package manager that I know (apt, dnf, brew, conda): please install the above by hand, then again"
+   [ -n "$with" ] || stop "to be installed by hand: the above; there is no package manager that I know (apt, dnf, brew, conda)"
    packages=$(for it in "$@"; do package "$with" "$it"; done | tr '\n' ' ')
    case $with in
    apt-get) command="apt-get install -y --no-install-recommends $packages" ;;
@@ -123,7 +148,11 @@ install() {
       "$@" apt-get update -qq >"$scratch/log" 2>&1 || say "apt-get update failed, going on with the lists that are there"
    fi
    say "$command"
-   "$@" $command >"$scratch/log" 2>&1 || { tail -n 20 "$scratch/log" >&2; stop "the installation failed: $command"; }
+   "$@" $command >"$scratch/log" 2>&1 || {
+      printf 'setup: to be installed by hand: %s\nsetup: this failed: %s\n' "$packages" "$command" >&2
+      tail -n 20 "$scratch/log" >&2
+      exit 1
+   }
    say "installed: $packages"
 }
 
@@ -131,20 +160,23 @@ system_needs() {
    needs=
    compiler_works || needs="compiler"
    lapack_works || needs="$needs lapack"
-   have git || needs="$needs git"
-   private_fpm_needed && ! pip_works && needs="$needs pip"
+   if [ $builder = fpm ]; then
+      [ -f $test_drive/fpm.toml ] || have git || needs="$needs git"
+      private_fpm_needed && ! pip_works && needs="$needs pip"
+   fi
    case " $* " in *" lint "* | *" docs "*) pip_works || needs="$needs pip" ;; esac
    case " $* " in *" demo "*) [ "${PICTURES:-yes}" = no ] || have gnuplot || needs="$needs gnuplot" ;; esac
    case " $* " in *" mpi "*) { have "${MPIFC:-mpifort}" && have mpirun; } || needs="$needs mpi" ;; esac
    [ -n "$needs" ] || return 0
    needs=$(printf '%s\n' $needs | sort -u)
    install $needs
-   compiler_works || { cat "$scratch/log" >&2; stop "the compiler $FC still does not work"; }
-   lapack_works || { cat "$scratch/log" >&2; stop "LAPACK still does not link with $FC"; }
+   compiler_works || { stop_with_log "the compiler $FC still does not work"; }
+   lapack_works || { stop_with_log "LAPACK still does not link with $FC"; }
 }
 
 # Tools of the deep checks: no set-up fails for want of them.
 deep_wishes() {
+   [ "${SETUP:-yes}" != no ] || return 0
    wishes=
    have valgrind || wishes=valgrind
    flang=$(apt-cache pkgnames flang- 2>/dev/null | sed -n 's/^flang-\(19\|[2-9][0-9]\)$/\1/p' | sort -n | tail -n 1)
@@ -161,14 +193,18 @@ deep_wishes() {
 
 # ---- what PyPI gives ----------------------------------------------------------------------------------------------
 
-# A package of PyPI in a folder of its own; no virtual environment needed.
+# A package of PyPI in a folder of its own; no virtual environment needed. Wheels in build/wheels are taken instead of the network.
 from_pypi() {
-   pip_works || stop "$PYTHON has no pip, which is needed for $2"
-   say "installing $2 from PyPI into $tools/$1"
+   [ "${SETUP:-yes}" != no ] || stop "to be installed by hand (SETUP=no): $2 into the PATH"
+   pip_works || stop "to be installed by hand: $2 into the PATH; $PYTHON has no pip"
+   from=
+   [ -z "$(ls $wheels/*.whl 2>/dev/null)" ] || from="--no-index --find-links $wheels"
+   say "installing $2 from ${from:+$wheels}${from:-PyPI} into $tools/$1" | sed 's/--no-index.* into/ into/'
    rm -rf "$tools/$1" "$tools/$1.part"
    mkdir -p "$tools"
-   PIP_USER=0 "$PYTHON" -m pip install --quiet --disable-pip-version-check --no-warn-script-location --target "$tools/$1.part" ${3:-} "$2" \
-      >"$scratch/pip.log" 2>&1 || { tail -n 20 "$scratch/pip.log" >&2; stop "pip could not install $2"; }
+   PIP_USER=0 "$PYTHON" -m pip install --quiet --disable-pip-version-check --no-warn-script-location $from \
+      --target "$tools/$1.part" ${3:-} "$2" >"$scratch/log" 2>&1 ||
+      stop_with_log "to be installed by hand: $2 into the PATH, or its wheel into $wheels (pip download $2); pip says:"
    mv "$tools/$1.part" "$tools/$1"
 }
 
@@ -191,16 +227,41 @@ is_fpm() {
 
 private_fpm_needed() { ! is_fpm "$tools/bin/fpm" && ! { have fpm && is_fpm fpm; }; }
 
+# fpm of the PATH before the private one; tools/bin/fpm is what the scripts call.
 fpm_needs() {
-   is_fpm "$tools/bin/fpm" && return
    if have fpm && is_fpm fpm; then
-      say "using fpm of the PATH: $(command -v fpm)"
+      grep -qsF "exec '$(command -v fpm)'" $tools/bin/fpm || say "using fpm of the PATH: $(command -v fpm)"
       wrapper fpm "exec '$(command -v fpm)' \"\$@\""
       return
    fi
+   is_fpm "$tools/bin/fpm" && return
    from_pypi fpm fpm==$fpm_version "--only-binary :all:"
    wrapper fpm 'exec "$here/fpm/fpm/fpm" "$@"'
-   is_fpm "$tools/bin/fpm" || stop "fpm of PyPI does not run on this machine; please put fpm $fpm_version or newer on the PATH"
+   is_fpm "$tools/bin/fpm" || stop "fpm of PyPI does not run on this machine; put fpm $fpm_version or newer on the PATH, or use CMake"
+}
+
+# Who builds. fpm writes into build/ of the sources only, and knows one level of processor.
+choose_builder() {
+   case ${BUILDER:-}:$BUILD:${TARGET:-} in
+   fpm:build:levels) stop "TARGET=levels is built by CMake: leave BUILDER=fpm out" ;;
+   fpm:build:*) builder=fpm why= ;;
+   fpm:*) stop "BUILDER=fpm builds in build only: leave BUILD=$BUILD out" ;;
+   cmake:*) builder=cmake why= ;;
+   :build:levels) builder=cmake why="TARGET=levels" ;;
+   :build:*)
+      builder=fpm why=
+      if private_fpm_needed && cmake_works; then builder=cmake why="there is no fpm; BUILDER=fpm fetches it"; fi ;;
+   :*) builder=cmake why="BUILD=$BUILD" ;;
+   *) stop "BUILDER=$BUILDER: fpm or cmake" ;;
+   esac
+   for it in "$@"; do
+      case $it in lint) [ $builder = fpm ] || private_fpm_needed || builder=fpm ;; esac
+   done
+   if [ $builder = cmake ]; then
+      cmake_works || stop "to be installed by hand: CMake $oldest_cmake or newer${why:+ ($why)}"
+      [ -z "$why" ] || say "building by CMake ($why)"
+   fi
+   mkdir -p "$BUILD" && echo $builder >"$BUILD/builder" || stop "no permission to write to $BUILD: choose another folder with BUILD="
 }
 
 fortitude_needs() {
@@ -232,6 +293,7 @@ place_stand_in() {
 }
 
 clone_test_drive() {
+   [ "${SETUP:-yes}" != no ] || return 1
    url=$(from_manifest git)
    tag=$(from_manifest tag)
    GIT_TERMINAL_PROMPT=0 within 6 git ls-remote --exit-code "$url" "refs/tags/$tag" >/dev/null 2>&1 || return 1
@@ -264,13 +326,18 @@ forget_old_objects() {
 
 # -------------------------------------------------------------------------------------------------------------------
 
+choose_builder "$@"
+! compiler_works || compiler_is_new_enough
 system_needs "$@"
-fpm_needs
-test_drive_needs
-forget_old_objects
+compiler_is_new_enough
+if [ $builder = fpm ]; then
+   fpm_needs
+   test_drive_needs
+   forget_old_objects
+fi
 for it in "$@"; do
    case $it in
-   lint) fortitude_needs ;;
+   lint) fpm_needs; fortitude_needs ;;
    docs) ford_needs ;;
    deep) deep_wishes ;;
    build | demo | mpi) ;;

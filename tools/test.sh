@@ -3,22 +3,20 @@
 # The last line is "N passed, M failed" over all of them; the exit code is non-zero on a failure or when no test ran.
 #
 # usage: tools/test.sh [--deep] [SUITE [TEST]]       with a SUITE: the suites only, not the installed library
-# environment: PROFILES the profiles ("release checking"); FC, PORTABLE, EXTRA_FLAGS as in tools/flags.sh
+# environment: PROFILES the profiles ("release checking"); FC, PORTABLE, EXTRA_FLAGS as in tools/flags.sh; BUILD (build)
 
 set -u
 cd "$(dirname "$0")/.." || exit 1
-fpm=build/tools/bin/fpm
-FC=${FC:-gfortran}
-export FC
-POINSOT_APP=$PWD/build/stage/bin/poinsot # for tests of the command line
-export POINSOT_APP
+FC=${FC:-gfortran} BUILD=${BUILD:-build}
+case $BUILD in /*) POINSOT_APP=$BUILD/stage/bin/poinsot ;; *) POINSOT_APP=$PWD/$BUILD/stage/bin/poinsot ;; esac
+export FC BUILD POINSOT_APP # the app for tests of the command line
 passed=0 failed=0 empty=0
-mkdir -p build/log
+mkdir -p "$BUILD/log"
 
 # Run a command and show what it says; add up its lines "N passed, M failed". One that stops without such a line, or with
 # an exit code that its count does not explain, is one more failure, beside the tests it reported before.
 counted() {
-   log=build/log/$1.log
+   log=$BUILD/log/$1.log
    shift
    { "$@" 2>&1; echo $? >"$log.code"; } | tee "$log"
    code=$(cat "$log.code")
@@ -36,20 +34,15 @@ counted() {
    fi
 }
 
-# What the build says is shown only if it fails: warnings are the business of `make lint`.
-suites() {
-   set -- --compiler "$FC" --flag "$1" --c-flag "$(tools/flags.sh c)" --link-flag "$(tools/flags.sh link)"
-   "$fpm" build --tests --no-prune "$@" >build/log/build 2>&1 || { cat build/log/build; return 1; }
-   "$fpm" test --no-prune --target check "$@" -- $skip $arguments
-}
+suites() { tools/build.sh tests "$1" && tools/build.sh run "$@"; }
 
 arguments=$*
 for profile in ${PROFILES:-release checking}; do
-   flags=$(tools/flags.sh "$profile")
    skip= # derivatives in quadruple precision, a third of the time: once is enough
    [ "$profile" = release ] || skip="--without properties"
-   printf '\n=== tests, %s profile: %s\n' "$profile" "$flags"
-   counted "$profile" suites "$flags"
+   printf '\n=== tests, %s profile: %s\n' "$profile" "$(tools/flags.sh "$profile")"
+   # shellcheck disable=SC2086 # words
+   counted "$profile" suites "$profile" $skip $arguments
 done
 if [ -z "$arguments" ] && [ -x test/installed.sh ]; then
    printf '\n=== tests of the installed library and app\n'

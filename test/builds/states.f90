@@ -116,7 +116,7 @@ contains
       call step_bodies(plan, view, 0.0_dp, h, 0_i8, steps, status, error)
       if (raised(error) .or. status /= poinsot_ok) then
          write (error_unit, "(5(a, 1x))") "a failure: ", method, splitting, trim(body), trim(effect)
-         error stop 1, quiet=.true.
+         error stop
       end if
       conditioning = 1
       do k = 2, 7
@@ -161,7 +161,7 @@ contains
       write (output_unit, "(i0, a, i0, a, f0.1, 3a)") same, " of ", rows, &
          " end states the same to the bit, at most ", most, &
          " units of the conditioning apart (", trim(adjustl(worst)), ")"
-      if (rows < 100 .or. .not. most <= bound) stop 1, quiet=.true.
+      if (rows < 100 .or. .not. most <= bound) error stop
    end subroutine compare
 
 end program states
