@@ -86,7 +86,7 @@ contains
    !> A text file on standard output.
    subroutine show_file(file)
       character(*), intent(in) :: file
-      character(400) :: line
+      character(4000) :: line
       integer :: unit, code
       open (newunit=unit, file=file, action="read", status="old", iostat=code)
       if (code /= 0) return

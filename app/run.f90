@@ -12,6 +12,7 @@ module app_run
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: step_total, output_count
    use poinsot_scene_communicator, only: communicator
+   use poinsot_scene_folder, only: folder_lock, lock_folder
    use poinsot_scene_run, only: run_scene, check_scene
    use poinsot_scene_pictures, only: picture_names
    use poinsot_scene_summary, only: run_report
@@ -195,14 +196,19 @@ contains
       class(communicator), intent(inout), optional :: ranks
       type(progress_watch) :: watch
       type(run_report) :: report
+      type(folder_lock) :: lock
       type(poinsot_error) :: error
       character(16), allocatable :: names(:) !! of pictures
       character(:), allocatable :: out
       out = options%out
       if (len(out) == 0) out = "poinsot-out/" // scene%name
       watch%shown = error_is_terminal() .and. .not. options%quiet
+      scene%output%draw = options%pictures
+      call lock_for_all(out, lock, ranks, error)
       call catch_interrupts()
-      if (present(ranks)) then
+      if (raised(error)) then
+         continue
+      else if (present(ranks)) then
          call resolve_auto_on_all(scene, watch, ranks, error)
       else
          call resolve_auto(scene, watch, error)
@@ -217,7 +223,7 @@ contains
       end if
       if (report%state == "interrupted") then
          call print_error("interrupted at t = " // text_of(report%t) // &
-                       "; continue with --set scene.from=" // out // "/" // scene%output%restart)
+                          hint_of(report))
          code = exit_runtime
          return
       end if
@@ -229,6 +235,30 @@ contains
       call draw_pictures(names, out, options%quiet, scripts_only=.not. options%pictures)
       if (.not. options%quiet) call say("written to " // out)
    end subroutine run_it
+
+   !> The first rank locks the folder for all, until this process ends.
+   subroutine lock_for_all(out, lock, ranks, error)
+      character(*), intent(in) :: out
+      type(folder_lock), intent(inout) :: lock
+      class(communicator), intent(inout), optional :: ranks
+      type(poinsot_error), intent(inout) :: error
+      integer :: code
+      if (.not. present(ranks)) then
+         call lock_folder(out, lock, error)
+         return
+      end if
+      if (ranks%number == 0) call lock_folder(out, lock, error)
+      code = ranks%max_over_ranks(error%code)
+      if (code /= 0 .and. .not. raised(error)) call raise(error, code, "another rank failed")
+   end subroutine lock_for_all
+
+   !> How to go on, if there is something to go on from.
+   function hint_of(report) result(hint)
+      type(run_report), intent(in) :: report
+      character(:), allocatable :: hint
+      hint = "; nothing was kept to continue from (output.restart is empty)"
+      if (len(report%restart) > 0) hint = "; continue with --set scene.from=" // report%restart
+   end function hint_of
 
    !> `auto` measures times: the first rank chooses, for all.
    subroutine resolve_auto_on_all(scene, watch, ranks, error)

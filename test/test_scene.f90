@@ -1,6 +1,7 @@
 !> Room scene: reader, key tables, checks of values, schedule, files, restart, and whole runs.
 module test_scene
    use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed, skip_test
+   use test_scene_files, only: collect_scene_files
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene, poinsot_e_partial
@@ -48,6 +49,8 @@ contains
 
    subroutine collect_scene(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
+      type(unittest_type), allocatable :: files(:)
+      call collect_scene_files(files)
       testsuite = [ &
          new_unittest("numbers-as-text", test_numbers), &
          new_unittest("reader-values", test_values), &
@@ -70,7 +73,8 @@ contains
          new_unittest("failed-run", test_failed_run), &
          new_unittest("output-refused", test_output_refused), &
          new_unittest("command-line", test_golden), &
-         new_unittest("keys-documented", test_keys)]
+         new_unittest("keys-documented", test_keys), &
+         files]
    end subroutine collect_scene
 
    !> A scene from its text.

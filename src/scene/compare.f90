@@ -2,6 +2,7 @@
 !> stride, with effects the same run at a quarter of the step with `exact`.
 module poinsot_scene_compare
    use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_maxima, only: larger, largest_of
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_rotation_quaternion, only: attitude_distance
    use poinsot_scene_settings, only: scene_settings
@@ -104,11 +105,12 @@ contains
       report%error_y = 0
       report%error_q = 0
       do i = 1, states%n
-         unit = max(maxval(abs(states%y(:, i))), maxval(abs(other%y(:, i))))
-         if (unit > 0) then
-            report%error_y = max(report%error_y, norm2((states%y(:, i) - other%y(:, i))/unit))
+         unit = larger(largest_of(abs(states%y(:, i))), largest_of(abs(other%y(:, i))))
+         if (.not. unit <= 0) then
+            report%error_y = larger(report%error_y, norm2((states%y(:, i) - other%y(:, i))/unit))
          end if
-         report%error_q = max(report%error_q, attitude_distance(states%q(:, i), other%q(:, i)))
+         report%error_q = larger(report%error_q, &
+                                 attitude_distance(states%q(:, i), other%q(:, i)))
       end do
    end subroutine largest_difference
 

@@ -1,6 +1,8 @@
 !> What should stay constant, followed through a run: the largest change of each since the start.
 module poinsot_scene_drift
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
+   use poinsot_core_maxima, only: larger, largest_of
    use poinsot_body_invariants, only: space_momentum
    use poinsot_scene_states, only: body_states
    implicit none(type, external)
@@ -19,6 +21,7 @@ module poinsot_scene_drift
       real(dp) :: momentum_change = 0           !! Q y, body by body
       real(dp) :: vertical_change = 0           !! third component of Q y, body by body
       real(dp) :: norm_change = 0               !! |q|
+      logical :: measured = .false.             !! has anything been compared with the start?
    end type drift_watch
 
 contains
@@ -51,19 +54,20 @@ contains
       type(drift_watch), intent(inout) :: drift
       real(dp) :: now(3), length
       integer :: i
+      drift%measured = .true.
       do i = 1, states%n
          length = length_of(states%y(:, i))
-         drift%size_y(i) = max(drift%size_y(i), length)
+         drift%size_y(i) = larger(drift%size_y(i), length)
          now = space_momentum(states%y(:, i), states%q(:, i)) - drift%momentum(:, i)
-         drift%casimir_change = max(drift%casimir_change, &
-                                    relative(length - drift%length(i), drift%size_y(i)))
-         drift%momentum_change = max(drift%momentum_change, &
-                                     relative(length_of(now), drift%size_y(i)))
-         drift%vertical_change = max(drift%vertical_change, relative(now(3), drift%size_y(i)))
-         drift%norm_change = max(drift%norm_change, abs(norm2(states%q(:, i)) - 1))
+         drift%casimir_change = larger(drift%casimir_change, &
+                                       relative(length - drift%length(i), drift%size_y(i)))
+         drift%momentum_change = larger(drift%momentum_change, &
+                                        relative(length_of(now), drift%size_y(i)))
+         drift%vertical_change = larger(drift%vertical_change, relative(now(3), drift%size_y(i)))
+         drift%norm_change = larger(drift%norm_change, off_unit(states%q(:, i)))
       end do
-      drift%total_size = max(drift%total_size, sum(abs(kinetic)) + sum(abs(potential)))
-      drift%energy_change = max(drift%energy_change, &
+      drift%total_size = larger(drift%total_size, sum(abs(kinetic)) + sum(abs(potential)))
+      drift%energy_change = larger(drift%energy_change, &
          relative(sum(kinetic) + sum(potential) - drift%total, drift%total_size))
    end subroutine follow_drift
 
@@ -71,14 +75,23 @@ contains
    pure real(dp) function length_of(v)
       real(dp), intent(in) :: v(3)
       real(dp) :: unit
-      unit = maxval(abs(v))
-      length_of = 0
+      unit = largest_of(abs(v))
+      length_of = unit
+      if (.not. ieee_is_finite(unit)) return
       if (unit > 0) length_of = unit*norm2(v/unit)
    end function length_of
 
+   !> | |q| - 1 |
+   pure real(dp) function off_unit(q)
+      real(dp), intent(in) :: q(4)
+      off_unit = largest_of(abs(q))
+      if (ieee_is_finite(off_unit)) off_unit = abs(norm2(q) - 1)
+   end function off_unit
+
    pure real(dp) function relative(change, scale)
       real(dp), intent(in) :: change, scale
-      relative = 0
+      relative = abs(change)
+      if (.not. ieee_is_finite(scale)) return
       if (scale > 0) relative = abs(change)/scale
    end function relative
 

@@ -108,6 +108,7 @@ contains
          call reject_key(group, "file", "refused: " // refused%message, error)
          return
       end if
+      item%file = name
       n = 0
       do i = 1, size(item%settings)
          if (item%settings(i)%key == "file") cycle

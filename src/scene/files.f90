@@ -9,7 +9,7 @@ module poinsot_scene_files
    implicit none(type, external)
    private
    public :: out_file, open_out, put, flush_out, finish_out, is_open
-   public :: make_folder, remove_file, file_exists, is_folder
+   public :: make_folder, remove_file, file_exists, is_folder, real_path
 
    character(*), parameter :: unfinished = ".part"
 
@@ -59,11 +59,18 @@ module poinsot_scene_files
          type(c_ptr), value, intent(in) :: file
       end function c_fclose
 
-      integer(c_int) function c_remove(path) bind(c, name="remove")
+      integer(c_int) function c_unlink(path) bind(c, name="unlink")
          import :: c_int, c_char
          implicit none(type, external)
          character(kind=c_char), intent(in) :: path(*)
-      end function c_remove
+      end function c_unlink
+
+      type(c_ptr) function c_realpath(path, resolved) bind(c, name="realpath")
+         import :: c_ptr, c_char
+         implicit none(type, external)
+         character(kind=c_char), intent(in) :: path(*)
+         character(kind=c_char), intent(inout) :: resolved(*)
+      end function c_realpath
    end interface
 
 contains
@@ -103,9 +110,23 @@ contains
    subroutine remove_file(path)
       character(*), intent(in) :: path !! of the file
       integer(c_int) :: code
-      code = c_remove(path // c_null_char)
-      code = c_remove(path // unfinished // c_null_char)
+      code = c_unlink(path // c_null_char)
+      code = c_unlink(path // unfinished // c_null_char)
    end subroutine remove_file
+
+   !> The one name of a file or folder that is there: absolute, without symbolic links and dots. Empty
+   !> if there is none of that name. Two names of one file are told by it, however they are written.
+   function real_path(path) result(place)
+      character(*), intent(in) :: path !! of the file
+      character(:), allocatable :: place
+      integer, parameter :: longest_path = 4096 ! PATH_MAX
+      character(longest_path + 1) :: room
+      room = " "
+      place = ""
+      if (len(path) == 0) return
+      if (.not. c_associated(c_realpath(path // c_null_char, room))) return
+      place = room(:index(room, c_null_char) - 1)
+   end function real_path
 
    !> Begin a file. An older one of that name goes away now. Error: POINSOT_E_IO.
    subroutine open_out(path, file, error)

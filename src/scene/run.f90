@@ -4,7 +4,7 @@ module poinsot_scene_run
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised, clear
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
-      poinsot_e_scene, poinsot_e_io
+      poinsot_e_partial, poinsot_e_scene, poinsot_e_io
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
@@ -12,12 +12,13 @@ module poinsot_scene_run
    use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy, couples_bodies
    use poinsot_scene_communicator, only: communicator
    use poinsot_scene_drift, only: start_drift, follow_drift
-   use poinsot_scene_files, only: make_folder, remove_file, file_exists
+   use poinsot_scene_files, only: make_folder, file_exists
+   use poinsot_scene_folder, only: check_inputs, clear_folder
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
    use poinsot_scene_restart, only: restart_state, write_restart, read_restart, sum_of_kinds
    use poinsot_scene_summary, only: run_report, write_summary
    use poinsot_scene_compare, only: compare_end
-   use poinsot_scene_pictures, only: write_pictures, picture_files
+   use poinsot_scene_pictures, only: write_pictures
    use poinsot_scene_watch, only: run_watch
    implicit none(type, external)
    private
@@ -76,11 +77,13 @@ contains
       report%state = "failed"
       report%reason = ""
       report%reference = ""
+      report%restart = ""
       call prepare(scene, out, ranks, run, report, error)
       call agree(ranks, error)
       if (raised(error)) return
       call integrate(scene, run, watch, ranks, report, error)
       if (.not. raised(error)) call gather(ranks, run)
+      if (.not. raised(error)) call check_end(run, error)
       if (ranks%number > 0) return
       ! a file that could not be written keeps its .part
       if (error%code == poinsot_e_io) closing = error
@@ -94,19 +97,36 @@ contains
          report%reason = error%message
       else if (run%stopped) then
          report%state = "interrupted"
-         report%reason = "asked to stop; see " // scene%output%restart
+         report%reason = "asked to stop"
       else
          report%state = "complete"
          call compare_end(scene, run%begin, run%states, report)
       end if
       call clear(closing)
       if (.not. raised(error)) call save_restart(scene, out, run, report, closing)
+      if (run%stopped .and. len(report%restart) > 0) then
+         report%reason = report%reason // "; continue from " // report%restart
+      end if
       if (.not. raised(closing)) then
          call write_summary(out // "/summary.txt", scene, report, run%states, closing)
       end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
    end subroutine run_rank
+
+   !> A state that is no number is no result, whatever the plan said of it.
+   subroutine check_end(run, error)
+      type(run_state), intent(in) :: run
+      type(poinsot_error), intent(inout) :: error
+      integer :: i
+      do i = 1, run%states%n
+         if (all(ieee_is_finite(run%states%y(:, i))) .and. &
+             all(ieee_is_finite(run%states%q(:, i)))) cycle
+         call raise(error, poinsot_e_partial, "at t = " // text_of(run%t) // " the state of body " &
+                    // text_of(i) // " is beyond the range of numbers")
+         return
+      end do
+   end subroutine check_end
 
    !> An error of any rank is an error of all.
    subroutine agree(ranks, error)
@@ -150,7 +170,8 @@ contains
       end if
       call first_states(scene, run%states, error)
       if (.not. raised(error)) call start_engine(scene, run%engine, error)
-      if (.not. raised(error)) call continue_from(scene, out, run, report, error)
+      if (.not. raised(error)) call check_inputs(scene, out, error)
+      if (.not. raised(error)) call continue_from(scene, run, report, error)
       if (raised(error)) return
       allocate (run%kinetic(run%states%n), stat=code)
       if (code == 0) allocate (run%potential(run%states%n), stat=code)
@@ -168,7 +189,8 @@ contains
       if (ranks%number > 0) return
       call make_folder(out, error)
       if (raised(error)) return
-      call clean_folder(scene, out)
+      call clear_folder(scene, out, error)
+      if (raised(error)) return
       call open_frames(scene, out, run%frames, error)
       if (raised(error) .or. len(scene%from) > 0) return
       if (.not. writes_start(scene)) return
@@ -182,36 +204,14 @@ contains
       if (writes_start .and. size(scene%output%times) > 0) writes_start = scene%output%times(1) <= 0
    end function writes_start
 
-   !> What an earlier run left under our names would pass for this one's.
-   subroutine clean_folder(scene, out)
-      type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: out
-      character(40), allocatable :: names(:)
-      integer :: i
-      call remove_file(out // "/summary.txt")
-      call remove_file(out // "/trajectory.csv")
-      call remove_file(out // "/trajectory.xyz")
-      if (len(scene%output%restart) > 0) call remove_file(out // "/" // scene%output%restart)
-      call picture_files(names)
-      do i = 1, size(names)
-         call remove_file(out // "/" // trim(names(i)))
-      end do
-   end subroutine clean_folder
-
    !> Take the state of a restart file, if the scene names one.
-   subroutine continue_from(scene, out, run, report, error)
+   subroutine continue_from(scene, run, report, error)
       type(scene_settings), intent(in) :: scene
-      character(*), intent(in) :: out
       type(run_state), intent(inout) :: run
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       type(restart_state) :: saved
       if (len(scene%from) == 0) return
-      if (index(scene%from, out // "/") == 1 .and. index(scene%from(len(out) + 2:), "/") == 0) then
-         call raise(error, poinsot_e_scene, scene%from // ": lies in the output folder, and " // &
-                    "the run would overwrite what it continues; choose another --out")
-         return
-      end if
       call read_restart(scene%from, body_total(scene), kinds_of(scene), saved, error)
       if (raised(error)) return
       if (saved%t >= scene%t_end) then
@@ -334,6 +334,9 @@ contains
          done = done + steps
          run%step = run%step + steps
          report%steps = report%steps + steps
+         if (report%shortest > 0) report%shortest = min(report%shortest, part%h)
+         if (.not. report%shortest > 0) report%shortest = part%h
+         report%longest = max(report%longest, part%h)
          run%t = time_in(part, done)
          if (done < part%steps) call watch%report_progress(run%t, scene%t_end)
       end do
@@ -362,11 +365,18 @@ contains
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out
       type(run_state), intent(inout) :: run
-      type(run_report), intent(in) :: report
+      type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       type(restart_state) :: saved
+      character(:), allocatable :: path
       if (len(scene%output%restart) == 0) return
       if (.not. (scene%output%present .or. run%stopped)) return
+      path = out // "/" // scene%output%restart
+      if (.not. scene%output%present .and. file_exists(path)) then
+         call raise(error, poinsot_e_io, path // ": is there already, and no earlier run wrote " // &
+                    "it; the state of this one is not kept")
+         return
+      end if
       saved%method = report%method
       saved%splitting = report%splitting
       saved%t = run%t
@@ -377,7 +387,8 @@ contains
       saved%y = run%states%y
       saved%q = run%states%q
       saved%carry = run%states%carry
-      call write_restart(out // "/" // scene%output%restart, saved, error)
+      call write_restart(path, saved, error)
+      if (.not. raised(error)) report%restart = path
    end subroutine save_restart
 
    !> What tells this scene's bodies from others.

@@ -31,6 +31,7 @@ module poinsot_scene_settings
       character(:), allocatable :: name
       integer :: line = 0
       type(setting), allocatable :: settings(:)
+      character(:), allocatable :: file      !! that numbers of it were read from, if any
    end type effect_setting
 
    !> &output
@@ -44,6 +45,7 @@ module poinsot_scene_settings
       character(:), allocatable :: restart    !! name of the restart file, "" = none
       character(:), allocatable :: pictures   !! none, body, top, tilt, angle, ensemble
       real(dp) :: axis(3) = [0, 0, 1]         !! body axis that pictures follow
+      logical :: draw = .true.                !! pictures will be drawn, not their scripts only
       real(dp) :: rate = 0                    !! turning of the frame that `angle` is seen from
    end type output_settings
 

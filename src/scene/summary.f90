@@ -3,8 +3,10 @@ module poinsot_scene_summary
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_version, only: version_text
+   use poinsot_body_moments, only: describe_body
    use poinsot_scene_text, only: text_of
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
+   use poinsot_scene_folder, only: file_name, run_files, files_row, file_separator
    use poinsot_scene_settings, only: scene_settings, body_total
    use poinsot_scene_drift, only: drift_watch
    use poinsot_scene_states, only: body_states, to_scene_frame
@@ -12,15 +14,17 @@ module poinsot_scene_summary
    private
    public :: run_report, write_summary, brief_number
 
-   integer, parameter :: most_bodies_shown = 3
+   integer, parameter :: most_bodies_shown = 3, most_classes_shown = 5
 
    !> What a run says about itself.
    type :: run_report
       character(:), allocatable :: state      !! complete, interrupted, failed
       character(:), allocatable :: reason     !! why it failed
       character(:), allocatable :: method, splitting
+      character(:), allocatable :: restart    !! the restart file that was written; "" = none
       integer(i8) :: steps = 0                !! steps taken
       integer(i8) :: outputs = 0              !! frames written
+      real(dp) :: shortest = 0, longest = 0   !! of the steps taken; 0: none
       real(dp) :: t = 0                       !! time reached
       integer :: threads = 1
       real(dp) :: stepping = 0, all = 0       !! wall time, s
@@ -43,7 +47,8 @@ contains
       if (raised(error)) return
       call put_run(file, scene, report, error)
       call put_time(file, scene, report, error)
-      call put_drift(file, scene, report, error)
+      call put_bodies(file, scene, error)
+      if (report%drift%measured) call put_drift(file, scene, report, error)
       call put_end(file, scene, report, states, error)
       call finish_out(file, error)
    end subroutine write_summary
@@ -82,7 +87,26 @@ contains
       if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
       call row(file, "seed", text_of(scene%seed), error)
       if (len(scene%from) > 0) call row(file, "continued from", scene%from, error)
+      call row(file, files_row, list_of_files(scene, report), error)
    end subroutine put_run
+
+   !> What this run wrote, or its scripts will draw: the next run into this folder may remove it.
+   function list_of_files(scene, report) result(list)
+      type(scene_settings), intent(in) :: scene
+      type(run_report), intent(in) :: report
+      character(:), allocatable :: list
+      type(file_name), allocatable :: names(:)
+      integer :: i
+      call run_files(scene, names)
+      list = names(1)%text
+      do i = 2, size(names)
+         if (names(i)%text == scene%output%restart .and. len(report%restart) == 0) cycle
+         list = list // file_separator // names(i)%text
+      end do
+      if (.not. scene%output%present .and. len(report%restart) > 0) then
+         list = list // file_separator // scene%output%restart
+      end if
+   end function list_of_files
 
    subroutine put_time(file, scene, report, error)
       type(out_file), intent(in) :: file
@@ -90,11 +114,7 @@ contains
       type(run_report), intent(in) :: report
       type(poinsot_error), intent(inout) :: error
       real(dp) :: body_steps
-      if (scene%h > 0) then
-         call row(file, "step h", text_of(scene%h), error)
-      else
-         call row(file, "step h", "from output to output", error)
-      end if
+      call row(file, "step h", step_used(scene%h, report), error)
       call row(file, "steps", text_of(report%steps), error)
       call row(file, "time reached", text_of(report%t) // " of " // text_of(scene%t_end), error)
       call row(file, "outputs", text_of(report%outputs), error)
@@ -107,6 +127,58 @@ contains
                   brief_number(report%stepping*1e9_dp/body_steps) // " ns per body-step", error)
       end if
    end subroutine put_time
+
+   !> The steps that were taken, and the one that was wished if they are shorter: a step ends at every
+   !> output.
+   function step_used(wished, report) result(text)
+      real(dp), intent(in) :: wished            !! 0: none
+      type(run_report), intent(in) :: report
+      character(:), allocatable :: text
+      real(dp), parameter :: near = 1e-9_dp
+      if (.not. report%longest > 0) then
+         text = text_of(wished) // ", no step was taken"
+         if (.not. wished > 0) text = "no step was taken"
+         return
+      end if
+      text = text_of(rounded(report%longest))
+      if (report%shortest < report%longest*(1 - near)) then
+         text = text_of(rounded(report%shortest)) // " to " // text
+      end if
+      if (.not. wished > 0) then
+         text = text // ", from output to output"
+      else if (report%shortest < wished*(1 - near)) then
+         text = text // " (" // text_of(wished) // " asked for; steps end at outputs and at t_end)"
+      end if
+   end function step_used
+
+   !> To 12 digits: 0.02 where a difference of two times makes 0.020000000000000018.
+   pure real(dp) function rounded(value)
+      real(dp), intent(in) :: value
+      character(24) :: digits
+      write (digits, "(es20.11e3)") value
+      read (digits, *) rounded
+   end function rounded
+
+   !> Moments of each class, and axes where they are not those of the scene.
+   subroutine put_bodies(file, scene, error)
+      type(out_file), intent(in) :: file
+      type(scene_settings), intent(in) :: scene
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: name
+      integer :: i, j
+      call put(file, "", error)
+      call put(file, "moments of inertia" // trim(merge(" (the first few classes)", &
+               "                        ", size(scene%bodies) > most_classes_shown)), error)
+      do i = 1, min(size(scene%bodies), most_classes_shown)
+         name = "  class " // text_of(i)
+         call row(file, name, text_of(scene%bodies(i)%moments) // "  (" // &
+                  describe_body(scene%bodies(i)%moments) // ")", error)
+         if (.not. scene%bodies(i)%turned) cycle
+         do j = 1, 3
+            call row(file, name // "  axis " // text_of(j), text_of(scene%bodies(i)%axes(:, j) + 0.0_dp), error)
+         end do
+      end do
+   end subroutine put_bodies
 
    subroutine put_drift(file, scene, report, error)
       type(out_file), intent(in) :: file

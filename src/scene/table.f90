@@ -1,10 +1,11 @@
-!> Tables of numbers from a text file: a line has a time and some values; # or ! begins a comment.
+!> Tables of numbers from a text file: a line has a time and some values; # or ! begins a comment. What
+!> other programs put around a table does no harm: a byte order mark, one line of headings, a Ctrl-Z.
 module poinsot_scene_table
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_scene_text, only: reason_of, text_of, quoted
-   use poinsot_core_number, only: parse_real, number_ok
+   use poinsot_core_number, only: parse_real, number_ok, number_no
    use poinsot_scene_source, only: reject
    implicit none(type, external)
    private
@@ -12,6 +13,8 @@ module poinsot_scene_table
 
    integer, parameter :: longest_line = 1000, most_rows = 1000000
    character(*), parameter :: blanks = " ,;" // achar(9) // achar(13)
+   character(*), parameter :: order_mark = char(239) // char(187) // char(191) !! of UTF-8
+   character, parameter :: end_of_text = achar(26)                           !! Ctrl-Z
 
 contains
 
@@ -28,7 +31,7 @@ contains
       character(longest_line) :: text
       character(200) :: reason
       integer :: unit, code, line, n
-      logical :: empty
+      logical :: empty, ended, headed
       open (newunit=unit, file=file, action="read", status="old", iostat=code, iomsg=reason)
       if (code /= 0) then
          call raise(error, poinsot_e_io, file // ": cannot be opened: " // reason_of(reason))
@@ -37,13 +40,22 @@ contains
       allocate (room(columns + 1, 64))
       n = 0
       line = 0
+      headed = .false.
       do
          read (unit, "(a)", iostat=code) text
          if (code /= 0) exit
          line = line + 1
+         if (line == 1 .and. text(:3) == order_mark) text = text(4:)
+         ended = index(text, end_of_text) > 0
+         if (ended) text = text(:index(text, end_of_text) - 1)
+         if (n == 0 .and. .not. headed .and. is_heading(text)) then
+            headed = .true.
+            text = ""
+         end if
          call read_row(file, line, text, row, empty, error)
          if (n == most_rows) call reject(error, file, line, "more than " // text_of(n) // " rows")
          if (raised(error)) exit
+         if (ended .and. empty) exit
          if (empty) cycle
          if (n == size(room, 2)) then
             allocate (more(columns + 1, 2*n))
@@ -52,12 +64,32 @@ contains
          end if
          n = n + 1
          room(:, n) = row
+         if (ended) exit
       end do
       close (unit)
       times = room(1, :n)
       values = reshape(room(2:, :n), [columns*n])
       if (n == 0 .and. .not. raised(error)) call reject(error, file, 0, "holds no rows of numbers")
    end subroutine read_table
+
+   !> Is a line one of headings: words, and no number among them?
+   pure logical function is_heading(text)
+      character(*), intent(in) :: text
+      character(:), allocatable :: rest
+      real(dp) :: number
+      integer :: length, outcome
+      rest = trim(text)
+      if (scan(rest, "#!") > 0) rest = rest(:scan(rest, "#!") - 1)
+      is_heading = verify(rest, blanks) > 0
+      do while (is_heading .and. verify(rest, blanks) > 0)
+         rest = rest(verify(rest, blanks):)
+         length = scan(rest, blanks) - 1
+         if (length < 0) length = len(rest)
+         call parse_real(rest(:length), number, outcome)
+         is_heading = outcome == number_no
+         rest = rest(length + 1:)
+      end do
+   end function is_heading
 
    subroutine read_row(file, line, text, row, empty, error)
       character(*), intent(in) :: file, text
