@@ -6,8 +6,9 @@ module bench_effect_plans
    use poinsot_effect_effect, only: effect
    use poinsot_effect_registry, only: describe_effect
    use poinsot_effect_settings, only: effect_info, setting, number_setting
+   use poinsot_ensemble_compose, only: make_ready
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_effect, add_ready_effect, &
-      make_ready, set_option
+      set_option
    use bench_tasks, only: down_torque
    implicit none(type, external)
    private

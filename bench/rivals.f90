@@ -6,7 +6,8 @@ program rivals
    use poinsot_core_kinds, only: dp, i8, lanes, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_effect_effect, only: torque_effect
-   use poinsot_ensemble_plan, only: poinsot_plan, attach_plan
+   use poinsot_ensemble_compose, only: attach_plan
+   use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_reader, only: read_source
    use poinsot_scene_settings, only: scene_settings

@@ -158,10 +158,15 @@ poinsot_status poinsot_plan_create(poinsot_plan **plan);
 /* Free a plan and set the handle to NULL. plan and *plan may be NULL. */
 void poinsot_plan_destroy(poinsot_plan **plan);
 
-/* Add a body class; *number is its number, counted from 0 (number may be NULL). With a tensor (row-major, in the caller's body
- * frame) y, q and torques of its bodies refer to that frame, not to the principal one. */
+/* Add a body class; *number is its number, counted from 0 (number may be NULL). Moments stay in the caller's order. With a tensor
+ * (row-major, in the caller's body frame) y, q, torques, and every body vector of an effect (centre, dipole, rotor, axis, body
+ * torque, three frictions) refer to that frame, not to the principal one. Entries of a diagonal tensor are moments. */
 poinsot_status poinsot_plan_add_class(poinsot_plan *plan, const double moments[3], int *number);
 poinsot_status poinsot_plan_add_class_tensor(poinsot_plan *plan, const double inertia[9], int *number);
+
+/* The principal axes of class `number` (from 0) as the columns of the rotation `axes`, row-major: x_given = axes x_principal. The
+ * identity for a class made from moments. POINSOT_E_DOMAIN if there is no such class. */
+poinsot_status poinsot_plan_class_axes(const poinsot_plan *plan, int number, double axes[9]);
 
 /* Set an option by name:
  *   "method"     a free method;   "splitting"  a splitting: both see above
@@ -197,7 +202,8 @@ poinsot_status poinsot_bodies_check(const poinsot_plan *plan, const poinsot_bodi
 
 /* ---- many bodies: what a host calls every step --------------------------------------------------------------------- */
 
-/* Free rotation of all bodies over h by the plan's method. */
+/* Free rotation of all bodies over h by the plan's method, with built-in wheels (gyrostats) as in poinsot_step; no other effect
+ * of the plan acts. */
 poinsot_status poinsot_drift(const poinsot_plan *plan, const poinsot_bodies *bodies, double h);
 
 /* Kick: y += h torque. torque[j][i*stride] is component j for body i, in the frame that the plan says; stride >= 1. */

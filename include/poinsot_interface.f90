@@ -16,7 +16,7 @@ module poinsot_interface
       poinsot_rotate, poinsot_jacobi
    public :: poinsot_bodies_rows, poinsot_bodies_arrays
    public :: poinsot_plan_create, poinsot_plan_destroy, poinsot_plan_add_class, &
-      poinsot_plan_add_class_tensor
+      poinsot_plan_add_class_tensor, poinsot_plan_class_axes
    public :: poinsot_plan_set, poinsot_plan_add_effect, poinsot_plan_ready, poinsot_plan_message, &
       poinsot_bodies_check
    public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, &
@@ -160,6 +160,13 @@ module poinsot_interface
          real(c_double), intent(in) :: inertia(3, 3)
          integer(c_int), intent(inout) :: number
       end function poinsot_plan_add_class_tensor
+
+      integer(c_int) function poinsot_plan_class_axes(plan, number, axes) bind(c)
+         import
+         type(c_ptr), value :: plan
+         integer(c_int), value :: number
+         real(c_double), intent(inout) :: axes(3, 3)
+      end function poinsot_plan_class_axes
 
       integer(c_int) function poinsot_plan_set(plan, option, value) bind(c)
          import

@@ -37,8 +37,9 @@ module poinsot
    use poinsot_ensemble_system, only: poinsot_torque => torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, &
       poinsot_degrees_of_freedom => total_degrees_of_freedom
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, set_option, &
-      add_effect, add_ready_effect, make_ready
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, class_axes, set_option, &
+      add_effect, add_ready_effect
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    use poinsot_free_method, only: free_method, find_method, poinsot_method_count => method_count, &
@@ -59,7 +60,7 @@ module poinsot
    public :: poinsot_body, poinsot_body_create, poinsot_body_create_tensor, poinsot_rotate, &
       poinsot_jacobi
    public :: poinsot_plan, poinsot_plan_create, poinsot_plan_add_class, &
-      poinsot_plan_add_class_tensor, poinsot_plan_set
+      poinsot_plan_add_class_tensor, poinsot_plan_class_axes, poinsot_plan_set
    public :: poinsot_plan_add_effect, poinsot_plan_ready
    public :: poinsot_bodies, poinsot_bodies_rows, poinsot_bodies_arrays
    public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, &
@@ -223,8 +224,9 @@ contains
       if (admitted(error)) call add_class(plan, moments, number, error)
    end subroutine poinsot_plan_add_class
 
-   !> Add a body class by its tensor in the caller's body frame, to which y, q and torques of its
-   !> bodies refer.
+   !> Add a body class by its tensor in the caller's body frame, to which y, q, torques and the body
+   !> vectors of effects refer; poinsot_user_torque and poinsot_user_potential see it too. Other
+   !> extensions of poinsot_effect see principal frames.
    subroutine poinsot_plan_add_class_tensor(plan, inertia, number, error)
       type(poinsot_plan), intent(inout) :: plan
       real(dp), intent(in) :: inertia(3, 3)
@@ -232,6 +234,16 @@ contains
       type(poinsot_error), intent(inout) :: error
       if (admitted(error)) call add_tensor_class(plan, inertia, number, error)
    end subroutine poinsot_plan_add_class_tensor
+
+   !> The principal axes of a class as the columns of a rotation; the identity for one made from
+   !> moments.
+   subroutine poinsot_plan_class_axes(plan, number, axes, error)
+      type(poinsot_plan), intent(in) :: plan
+      integer, intent(in) :: number                 !! of the class, from 1
+      real(dp), intent(inout) :: axes(3, 3)         !! x_given = matmul(axes, x_principal)
+      type(poinsot_error), intent(inout) :: error   !! POINSOT_E_DOMAIN if there is no such class
+      if (admitted(error)) call class_axes(plan, number, axes, error)
+   end subroutine poinsot_plan_class_axes
 
    !> Set an option by name: method, splitting, layout, momentum, frame, threads, seed.
    subroutine poinsot_plan_set(plan, option, value, error)
@@ -269,7 +281,7 @@ contains
       if (admitted(error)) call make_ready(plan, error)
    end subroutine poinsot_plan_ready
 
-   !> Free rotation of all bodies over h.
+   !> Free rotation of all bodies over h, with built-in wheels (gyrostats); no other effect acts.
    subroutine poinsot_drift(plan, bodies, h, error)
       type(poinsot_plan), intent(in) :: plan
       type(poinsot_bodies), intent(in) :: bodies

@@ -8,7 +8,8 @@ module test_ensemble_every
    use poinsot_effect_registry, only: effect_count, effect_names
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_coupled, only: torque_callback
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, make_ready, set_option
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_free_method, only: method_count, method_name
    use poinsot_splitting_registry, only: splitting_count, splitting_name

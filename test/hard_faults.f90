@@ -8,7 +8,8 @@ module test_hard_faults
       poinsot_e_callback
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_system, only: torque_callback
-   use poinsot_ensemble_plan, only: poinsot_plan, make_ready, set_option
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, set_option
    use poinsot_ensemble_step, only: step_bodies, kick_bodies
    use poinsot_free_method, only: method_count, method_name
    use poinsot_splitting_registry, only: splitting_count, splitting_name

@@ -10,7 +10,8 @@ module test_hard_symmetry
    use poinsot_effect_settings, only: setting, number_setting, text_setting
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_coupled, only: torque_callback
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_effect, make_ready, set_option
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_effect, set_option
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_free_method, only: method_count, method_name
    use test_bodies, only: random_stream, start_stream, random_quaternion, uniform

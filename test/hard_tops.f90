@@ -8,7 +8,8 @@ module test_hard_tops
       poinsot_e_convergence, &
       poinsot_e_partial
    use poinsot_ensemble_bodies, only: body_view, view_rows
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, make_ready, set_option
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_splitting_registry, only: splitting_count, splitting_name
    use test_crowd, only: with_effect

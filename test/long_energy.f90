@@ -9,7 +9,8 @@ module test_long_energy
    use poinsot_core_status, only: poinsot_ok
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_observe, only: body_energies
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, make_ready, set_option
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_splitting_registry, only: splitting_count, splitting_name
    use test_bodies, only: random_stream, start_stream, uniform

@@ -7,7 +7,8 @@ module test_long_thermostat
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok
    use poinsot_ensemble_bodies, only: body_view, view_rows
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, make_ready, set_option
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option
    use poinsot_ensemble_step, only: step_bodies
    use test_bodies, only: random_stream, start_stream, random_quaternion
    use test_crowd, only: with_effect

@@ -14,6 +14,7 @@ program check_poinsot
    use test_effect, only: collect_effect
    use test_elliptic, only: collect_elliptic
    use test_ensemble, only: collect_ensemble
+   use test_frame, only: collect_frame
    use test_free, only: collect_free
    use test_hard, only: collect_hard, collect_hard_deep
    use test_hard_faults, only: collect_hard_faults_deep
@@ -54,6 +55,7 @@ program check_poinsot
       new_testsuite("effect", collect_effect), &
       new_testsuite("splitting", collect_splitting), &
       new_testsuite("ensemble", collect_ensemble), &
+      new_testsuite("frame", collect_frame), &
       new_testsuite("scene", collect_scene), &
       new_testsuite("pictures", collect_pictures), &
       new_testsuite("study", collect_study), &

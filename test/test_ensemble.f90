@@ -13,7 +13,8 @@ module test_ensemble
    use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_layout, only: momentum_names
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, make_ready, set_option
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name
    use poinsot_rotation_conversions, only: to_matrix

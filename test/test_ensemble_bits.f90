@@ -7,7 +7,8 @@ module test_ensemble_bits
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_step
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_system, only: torque_callback
-   use poinsot_ensemble_plan, only: poinsot_plan, make_ready, set_option
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, set_option
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_ensemble_step, only: drift_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name

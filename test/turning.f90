@@ -87,8 +87,8 @@ contains
       call make_class(moments, it%class, error)
       if (.not. raised(error)) call find_method(method, it%method, error)
       if (.not. raised(error)) call find_splitting(scheme, it%scheme, error)
-      if (.not. raised(error)) call compose_class(it%class, 1, it%scheme, it%effects, it%acting, &
-         error)
+      if (.not. raised(error)) call compose_class(it%class, on_first(it%effects), it%scheme, &
+         it%effects, it%acting, error)
       it%good = .not. raised(error)
       it%message = "set-up"
       if (allocated(error%message)) it%message = error%message
@@ -97,6 +97,14 @@ contains
       call it%block%attach(it%class, it%method, it%acting, it%effects, 0_i8)
       it%block%compensated = .false.
    end subroutine set_up
+
+   !> Places of the effects that act on class 1.
+   function on_first(effects) result(acting)
+      type(effect_item), intent(in) :: effects(:)
+      integer, allocatable :: acting(:)
+      integer :: i
+      acting = pack([(i, i=1, size(effects))], [(effects(i)%it%acts_on(1), i=1, size(effects))])
+   end function on_first
 
    !> The same state in every lane.
    subroutine place(it, y, q)

@@ -10,8 +10,9 @@ module poinsot_api_plan
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, set_option, &
-      add_effect, make_ready
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, class_axes, set_option, &
+      add_effect
    use poinsot_ensemble_step, only: check_ready
    implicit none(type, external)
    private
@@ -115,6 +116,26 @@ contains
       call c_f_pointer(number, place)
       place = made - 1
    end function add_any
+
+   !> Principal axes of a class, as columns, row-major.
+   integer(c_int) function plan_class_axes(plan, number, axes) &
+      bind(c, name="poinsot_do_plan_class_axes") result(status)
+      type(c_ptr), value :: plan           !! const poinsot_plan *
+      integer(c_int), value :: number      !! from 0
+      type(c_ptr), value :: axes           !! double[9]
+      type(plan_handle), pointer :: p
+      type(poinsot_error) :: error
+      real(c_double), pointer :: a(:, :)
+      real(c_double) :: columns(3, 3)
+      status = poinsot_e_null
+      call open_plan(plan, p)
+      if (.not. associated(p) .or. .not. c_associated(axes)) return
+      call class_axes(p%plan, int(max(min(number, huge(number) - 1), -1_c_int)) + 1, columns, error)
+      status = error%code
+      if (raised(error)) return
+      call c_f_pointer(axes, a, [3, 3])
+      a = transpose(columns)
+   end function plan_class_axes
 
    !> Set an option by name.
    integer(c_int) function plan_set(plan, option, value) bind(c, name="poinsot_do_plan_set") &

@@ -11,7 +11,7 @@ module poinsot_body_inertia
    use poinsot_body_moments, only: accept_moments, relative_text, moment_tolerance
    implicit none(type, external)
    private
-   public :: principal_axes, point_mass_tensor, parallel_axis, tensor_of_axes
+   public :: principal_axes, is_diagonal, point_mass_tensor, parallel_axis, tensor_of_axes
 
    !> How far a tensor may be from symmetric, relative to its largest entry: what single precision and
    !> decimals in a file lose.
@@ -69,7 +69,7 @@ contains
       axes = identity_matrix
       call check_tensor(tensor, error)
       if (raised(error)) return
-      diagonal = maxval(abs(tensor - tensor*identity_matrix)) <= 0
+      diagonal = is_diagonal(tensor)
       e = largest_exponent(reshape(tensor, [9]))
       axes = scale(tensor/2 + transpose(tensor)/2, -e)
       call dsyev("V", "U", 3, axes, 3, moments, work, size(work), info)
@@ -88,6 +88,15 @@ contains
          call settle_axes(moments, axes)
       end if
    end subroutine principal_axes
+
+   !> Are all entries off the diagonal zero? Then those on it are moments, in the order of the axes.
+   pure logical function is_diagonal(tensor)
+      real(dp), intent(in) :: tensor(3, 3)
+      integer, parameter :: off(6) = [2, 3, 4, 6, 7, 8]
+      integer(i8) :: bits(9)
+      bits = transfer(tensor, bits)
+      is_diagonal = all(iand(bits(off), huge(1_i8)) == 0) ! no comparison with what may be NaN
+   end function is_diagonal
 
    !> Refuse what is not even a symmetric matrix of workable size.
    pure subroutine check_tensor(tensor, error)

@@ -1,7 +1,8 @@
 !> A user's own torque: extend one of two types and give one procedure for one body.
 !>
 !> `user_torque`: the body torque itself. `user_potential`: U and dU/dQ (3 x 3); the body torque is
-!> -rot(Q^T dU/dQ), equation (8) of the review. Whoever wants whole blocks extends torque_effect
+!> -rot(Q^T dU/dQ), equation (8) of the review. Both are asked in the frame in which the class was
+!> given to the plan. Whoever wants whole blocks, in principal frames, extends torque_effect
 !> instead. A scheme with a force gradient needs `add_derivative` and `has_gradient`, which a user
 !> may override.
 module poinsot_effect_callback
@@ -9,6 +10,8 @@ module poinsot_effect_callback
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: torque_effect
    use poinsot_effect_settings, only: effect_info, effect_key
+   use poinsot_rotation_quaternion, only: quaternion_product, quaternion_conjugate, &
+      rotate_back
    implicit none(type, external)
    private
    public :: user_torque, user_potential, describe_callback, torque_of_gradient
@@ -35,8 +38,8 @@ module poinsot_effect_callback
          implicit none(type, external)
          class(user_torque), intent(in) :: self
          real(dp), intent(in) :: t             !! time
-         real(dp), intent(in) :: q(4)          !! attitude, scalar first, body -> space
-         real(dp), intent(out) :: torque(3)    !! in the body frame
+         real(dp), intent(in) :: q(4)          !! attitude, scalar first, given body frame -> space
+         real(dp), intent(out) :: torque(3)    !! in the given body frame
          real(dp), intent(out) :: energy       !! potential energy, 0 if there is none
       end subroutine evaluate_torque
 
@@ -80,11 +83,9 @@ contains
       real(dp), intent(inout) :: g(lanes, 3)
       real(dp) :: torque(3), energy
       integer :: i
-      associate (unused => class%moments)
-      end associate
       do i = 1, lanes
-         call self%evaluate(t, q(i, :), torque, energy)
-         g(i, :) = g(i, :) + torque
+         call self%evaluate(t, given(class, q(i, :)), torque, energy)
+         g(i, :) = g(i, :) + principal(class, torque)
       end do
    end subroutine add_user_torque
 
@@ -96,10 +97,8 @@ contains
       real(dp), intent(inout) :: u(lanes)
       real(dp) :: torque(3), energy
       integer :: i
-      associate (unused => class%moments)
-      end associate
       do i = 1, lanes
-         call self%evaluate(t, q(i, :), torque, energy)
+         call self%evaluate(t, given(class, q(i, :)), torque, energy)
          u(i) = u(i) + energy
       end do
    end subroutine add_user_energy
@@ -112,12 +111,10 @@ contains
       real(dp), intent(inout) :: g(lanes, 3)
       real(dp) :: attitude(3, 3), gradient(3, 3), energy
       integer :: i
-      associate (unused => class%moments)
-      end associate
       do i = 1, lanes
-         attitude = matrix_of(q(i, :))
+         attitude = matrix_of(given(class, q(i, :)))
          call self%evaluate(t, attitude, energy, gradient)
-         g(i, :) = g(i, :) + torque_of_gradient(attitude, gradient)
+         g(i, :) = g(i, :) + principal(class, torque_of_gradient(attitude, gradient))
       end do
    end subroutine add_potential_torque
 
@@ -129,13 +126,29 @@ contains
       real(dp), intent(inout) :: u(lanes)
       real(dp) :: gradient(3, 3), energy
       integer :: i
-      associate (unused => class%moments)
-      end associate
       do i = 1, lanes
-         call self%evaluate(t, matrix_of(q(i, :)), energy, gradient)
+         call self%evaluate(t, matrix_of(given(class, q(i, :))), energy, gradient)
          u(i) = u(i) + energy
       end do
    end subroutine add_potential_energy
+
+   !> The attitude of the frame that a class was given in.
+   pure function given(class, q) result(attitude)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: q(4)           !! of the principal frame
+      real(dp) :: attitude(4)
+      attitude = q
+      if (class%turned) attitude = quaternion_product(q, quaternion_conjugate(class%axes))
+   end function given
+
+   !> A vector of that frame in the principal one.
+   pure function principal(class, v) result(w)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: v(3)
+      real(dp) :: w(3)
+      w = v
+      if (class%turned) w = rotate_back(class%axes, v)
+   end function principal
 
    pure function matrix_of(q) result(a)
       real(dp), intent(in) :: q(4)

@@ -7,7 +7,7 @@ module poinsot_effect_dipoles
    use poinsot_effect_effect, only: effect, pair_effect
    use poinsot_effect_geometry, only: each_to_body, to_space
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, get_value, &
-      get_direction, was_given
+      get_direction, was_given, class_vectors
    implicit none(type, external)
    private
    public :: dipoles, describe_dipoles, make_dipoles
@@ -42,7 +42,8 @@ contains
                    &L along r kept"
       allocate (info%keys, source=[ &
                   number_key("dipole", 3, -1, "required", "dipole moment", &
-                             "body frame: three numbers for all, or three per body class"), &
+                             "body frame: three numbers for all, or three per body class", &
+                             class_vectors), &
                   number_key("coupling", 1, 1, "1", "energy length^3/dipole^2", &
                   "C, e.g. 1/(4 pi eps0)"), &
                   number_key("positions", 3, -1, "", "length", &

@@ -2,18 +2,19 @@
 !> step.
 module poinsot_effect_drag
    use poinsot_core_kinds, only: dp, i8, lanes
-   use poinsot_core_status, only: poinsot_e_domain
-   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_error, only: poinsot_error, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, flow_effect
-   use poinsot_effect_settings, only: setting, effect_info, number_key, get_values
+   use poinsot_effect_friction, only: get_friction, full_flow, apply_flow
+   use poinsot_effect_settings, only: setting, effect_info, number_key, per_axis
    implicit none(type, external)
    private
-   public :: drag, describe_drag, make_drag, get_friction
+   public :: drag, describe_drag, make_drag
 
    !> torque = -friction_i omega_i
    type, extends(flow_effect) :: drag
       real(dp) :: friction(3) = 0  !! torque per angular velocity, about each principal axis
+      real(dp), allocatable :: full(:, :) !! or a matrix, principal frame
    contains
       procedure :: apply
       procedure :: only_forward
@@ -31,7 +32,7 @@ contains
       info%gradient = .false.
       allocate (info%keys, source=[ &
                 number_key("friction", 1, 3, "required", "torque per angular velocity", &
-                           "drag, the same for all axes or per principal axis")])
+                           "drag, the same for all axes or per body axis", per_axis)])
    end function describe_drag
 
    !> A drag from checked settings.
@@ -41,25 +42,9 @@ contains
       class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(drag) :: new
-      call get_friction(info, settings, new%friction, error)
+      call get_friction(info, settings, new%friction, new%full, error)
       if (.not. raised(error)) made = new
    end subroutine make_drag
-
-   !> One friction or three, none negative; two are refused.
-   subroutine get_friction(info, settings, friction, error)
-      type(effect_info), intent(in) :: info    !! the row of the registry
-      type(setting), intent(in) :: settings(:) !! checked against the row
-      real(dp), intent(out) :: friction(3)
-      type(poinsot_error), intent(inout) :: error
-      real(dp), allocatable :: values(:)
-      call get_values(info, settings, "friction", values)
-      friction = values(1)
-      if (size(values) == 3) friction = values
-      if (size(values) == 2 .or. any(friction < 0)) then
-         call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // &
-                    "': key 'friction' takes one number or three, none negative")
-      end if
-   end subroutine get_friction
 
    !> A zero moment has 1/I = 0: its momentum, which is zero, stays.
    subroutine apply(self, class, h, seed, id, step, half, q, y)
@@ -72,10 +57,16 @@ contains
       integer, intent(in) :: half
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
+      real(dp) :: decay(3, 3), noise(3, 3)
       integer :: j
       associate (unused_1 => seed, unused_2 => id, unused_3 => step, unused_4 => half, &
          unused_5 => q)
       end associate
+      if (allocated(self%full)) then
+         call full_flow(class, self%full, h, 0.0_dp, decay, noise)
+         call apply_flow(decay, y)
+         return
+      end if
       do j = 1, 3
          y(:, j) = exp(-self%friction(j)*class%inverse(j)*h)*y(:, j)
       end do

@@ -8,6 +8,7 @@
 module poinsot_effect_effect
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_body_class, only: body_class
+   use poinsot_effect_settings, only: setting
    implicit none(type, external)
    private
    public :: effect, torque_effect, flow_effect, pair_effect, effect_item
@@ -23,6 +24,7 @@ module poinsot_effect_effect
    !> A place for one effect of any kind, so that effects can stand in an array.
    type :: effect_item
       class(effect), allocatable :: it
+      type(setting), allocatable :: settings(:) !! it was made from; a program's own has none
    end type effect_item
 
    !> A torque that depends on attitude and time: a kick.

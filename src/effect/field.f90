@@ -7,7 +7,7 @@ module poinsot_effect_field
    use poinsot_effect_geometry, only: turned, add_linear_torque, add_linear_energy, &
       add_linear_derivative
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
-      get_value, get_text, get_direction
+      get_value, get_text, get_direction, body_vector
    implicit none(type, external)
    private
    public :: field, describe_field, make_field
@@ -40,7 +40,8 @@ contains
                      &E = E0, turned by W t + phase, or E0 cos"
       info%check = "libration sqrt(dipole E/I); fast oscillating field: dipole E/(sqrt(2) I W)"
       allocate (info%keys, source=[ &
-                  number_key("dipole", 3, 3, "required", "dipole moment", "dipole, body frame"), &
+                  number_key("dipole", 3, 3, "required", "dipole moment", "dipole, body frame", &
+                  body_vector), &
                   number_key("strength", 3, 3, "required", "energy per dipole moment", &
                   "the field E0, in space"), &
                   text_key("motion", "static", "static rotating oscillating", &

@@ -6,7 +6,7 @@ module poinsot_effect_gravity
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: add_linear_torque, add_linear_energy, add_linear_derivative
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, &
-      get_value, get_direction
+      get_value, get_direction, body_vector
    implicit none(type, external)
    private
    public :: gravity, describe_gravity, make_gravity
@@ -33,7 +33,7 @@ contains
                    &Kovalevskaya integral"
       allocate (info%keys, source=[ &
                   number_key("centre", 3, 3, "required", "length", &
-                  "centre of mass from the fixed point, body frame"), &
+                  "centre of mass from the fixed point, body frame", body_vector), &
                   number_key("weight", 1, 1, "1", "force", "mass times acceleration of gravity"), &
                   number_key("up", 3, 3, "0,0,1", "direction", "upwards, in space; normalised")])
    end function describe_gravity

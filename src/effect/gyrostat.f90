@@ -8,7 +8,8 @@ module poinsot_effect_gyrostat
    use poinsot_core_error, only: poinsot_error
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect
-   use poinsot_effect_settings, only: setting, effect_info, number_key, get_values
+   use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, &
+      body_vector
    implicit none(type, external)
    private
    public :: gyrostat, describe_gyrostat, make_gyrostat, turn_increment, turn_is_too_long, &
@@ -30,7 +31,8 @@ contains
       info%formula = "T = (y - rotor).I^-1 (y - rotor)/2: changes the drift"
       info%check = "|y| and T kept; a rotor steadies the spin about the middle axis"
       allocate (info%keys, source=[number_key("rotor", 3, 3, "required", "angular momentum", &
-                              "angular momentum of the internal rotor, body frame")])
+                              "angular momentum of the internal rotor, body frame", &
+                              body_vector)])
    end function describe_gyrostat
 
    !> A gyrostat from checked settings.

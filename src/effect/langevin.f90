@@ -6,9 +6,9 @@ module poinsot_effect_langevin
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, flow_effect
-   use poinsot_effect_drag, only: get_friction
+   use poinsot_effect_friction, only: get_friction, full_flow, apply_flow, lost
    use poinsot_effect_gaussian, only: gaussian_block
-   use poinsot_effect_settings, only: setting, effect_info, number_key, get_value
+   use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, per_axis
    implicit none(type, external)
    private
    public :: langevin, describe_langevin, make_langevin
@@ -16,6 +16,7 @@ module poinsot_effect_langevin
    !> dy_i = -friction_i y_i/I_i dt + sqrt(2 kT friction_i) dW
    type, extends(flow_effect) :: langevin
       real(dp) :: friction(3) = 0     !! torque per angular velocity, about each principal axis
+      real(dp), allocatable :: full(:, :) !! or a matrix, principal frame
       real(dp) :: temperature = 0     !! kT, an energy
    contains
       procedure :: apply
@@ -34,7 +35,7 @@ contains
       info%gradient = .false.
       allocate (info%keys, source=[ &
                   number_key("friction", 1, 3, "required", "torque per angular velocity", &
-                             "friction, the same for all axes or per principal axis"), &
+                             "friction, the same for all axes or per body axis", per_axis), &
                   number_key("temperature", 1, 1, "required", "energy", &
                   "k T, Boltzmann's constant included")])
    end function describe_langevin
@@ -46,7 +47,7 @@ contains
       class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(langevin) :: new
-      call get_friction(info, settings, new%friction, error)
+      call get_friction(info, settings, new%friction, new%full, error)
       if (raised(error)) return
       new%temperature = get_value(info, settings, "temperature")
       if (new%temperature < 0) then
@@ -68,28 +69,24 @@ contains
       integer, intent(in) :: half
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
-      real(dp) :: xi(lanes, 3), x, width
+      real(dp) :: xi(lanes, 3), x, width, decay(3, 3), noise(3, 3)
       integer :: j
       associate (unused => q)
       end associate
       call gaussian_block(seed, id, step, half, xi)
+      if (allocated(self%full)) then
+         call full_flow(class, self%full, h, self%temperature, decay, noise)
+         call apply_flow(decay, y)
+         call apply_flow(noise, xi)
+         y = y + xi
+         return
+      end if
       do j = 1, 3
          x = self%friction(j)*class%inverse(j)*h
          width = sqrt(self%temperature*class%moments(j))*sqrt(lost(x))
          y(:, j) = exp(-x)*y(:, j) + width*xi(:, j)
       end do
    end subroutine apply
-
-   !> 1 - exp(-2 x), 0 for x <= 0; without cancellation for small x.
-   pure real(dp) function lost(x)
-      real(dp), intent(in) :: x
-      lost = 0
-      if (x > 20) then
-         lost = 1
-      else if (x > 0) then
-         lost = 2*exp(-x)*sinh(x)
-      end if
-   end function lost
 
    !> Noise has no way back.
    pure logical function only_forward(self)

@@ -21,7 +21,8 @@ module poinsot_effect_registry
    use poinsot_effect_callback, only: describe_callback
    implicit none(type, external)
    private
-   public :: effect_count, effect_names, describe_effect, effect_name, effect_number, make_effect
+   public :: effect_count, effect_names, describe_effect, effect_name, effect_number, make_effect, &
+      remake_effect
 
    !> Names of the rows, in their order.
    character(18), parameter :: effect_names(*) = [character(18) :: &
@@ -129,14 +130,26 @@ contains
                     "': key 'class' is the number of a body class, 0 for all")
          return
       end if
+      call remake_effect(info, settings, made, error)
+   end subroutine make_effect
+
+   !> Make an effect from settings that were checked, and perhaps turned into another frame since.
+   subroutine remake_effect(info, settings, made, error)
+      type(effect_info), intent(in) :: info               !! its row
+      type(setting), intent(in) :: settings(:)
+      class(effect), allocatable, intent(out) :: made     !! not allocated after an error
+      type(poinsot_error), intent(inout) :: error
+      procedure(constructor), pointer :: make
+      type(effect_info) :: row
+      call effect_row(effect_number(trim(info%name)), row, make)
       call make(info, settings, made, error)
       if (raised(error)) then
          if (allocated(made)) deallocate (made)
          return
       end if
       made%name = info%name
-      made%class_index = nint(class_number)
-   end subroutine make_effect
+      made%class_index = nint(get_value(info, settings, "class"))
+   end subroutine remake_effect
 
    pure type(effect_key) function class_key()
       class_key = number_key("class", 1, 1, "0", "number", &

@@ -11,8 +11,17 @@ module poinsot_effect_settings
    implicit none(type, external)
    private
    public :: setting, effect_key, effect_info, number_key, text_key
+   public :: body_vector, class_vectors, per_axis
    public :: check_keys, get_values, get_value, get_text, get_direction, was_given, &
       number_setting, text_setting
+
+   !> What frame the numbers of a key are in; "" is space, or none. They are turned when an effect
+   !> acts on a class that was given in another frame than the principal one.
+   character(*), parameter :: body_vector = "body vector"     !! three numbers for each vector
+   character(*), parameter :: class_vectors = "class vectors" !! three for all classes, or for each
+   character(*), parameter :: per_axis = "per axis"           !! one number, or one for each body
+                                                              !! axis; where these are not principal,
+                                                              !! the effect gets a matrix: nine
 
    !> One thing a user says: a key with numbers, or with a text.
    type :: setting
@@ -29,6 +38,8 @@ module poinsot_effect_settings
       character(28) :: default = ""      !! as a user would write it; "required"; "" = absent
       character(48) :: units = ""        !! units, or for a text the choices, separated by blanks
       character(72) :: meaning = ""
+      character(16) :: frame = ""        !! one of the words above
+      character(12) :: frame_key = ""    !! a text key that may say 'space': then it is no body vector
    end type effect_key
 
    !> One effect as the registry shows it.
@@ -44,11 +55,15 @@ module poinsot_effect_settings
 contains
 
    !> Describe a key that takes numbers.
-   pure function number_key(name, least, most, default, units, meaning) result(key)
+   pure function number_key(name, least, most, default, units, meaning, frame, frame_key) &
+         result(key)
       character(*), intent(in) :: name, default, units, meaning
       integer, intent(in) :: least, most
+      character(*), intent(in), optional :: frame, frame_key
       type(effect_key) :: key
       key = effect_key(name, .false., least, most, default, units, meaning)
+      if (present(frame)) key%frame = frame
+      if (present(frame_key)) key%frame_key = frame_key
    end function number_key
 
    !> Describe a key that takes one word out of `choices` (separated by blanks; "" = free text).

@@ -5,7 +5,8 @@ module poinsot_effect_spring
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
-   use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, get_direction
+   use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, &
+      get_direction, body_vector
    implicit none(type, external)
    private
    public :: spring, describe_spring, make_spring
@@ -34,7 +35,7 @@ contains
       allocate (info%keys, source=[ &
                   number_key("stiffness", 1, 1, "required", "energy", "strength of the spring"), &
                   number_key("axis", 3, 3, "0,0,1", "direction", &
-                  "the axis it aligns, body frame; normalised"), &
+                  "the axis it aligns, body frame; normalised", body_vector), &
                   number_key("direction", 3, 3, "0,0,1", "direction", &
                   "what it aligns it with, in space; normalised")])
    end function describe_spring

@@ -7,7 +7,7 @@ module poinsot_effect_torque
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
-      get_value, get_text, was_given
+      get_value, get_text, was_given, body_vector
    implicit none(type, external)
    private
    public :: torque, describe_torque, make_torque
@@ -38,14 +38,16 @@ contains
                      &in space: Q^T of it"
       info%check = "in space: angular momentum L = L0 + integral of the torque"
       allocate (info%keys, source=[ &
-                  number_key("value", 3, 3, "0,0,0", "torque", "the torque, or its amplitude"), &
+                  number_key("value", 3, 3, "0,0,0", "torque", "the torque, or its amplitude", &
+                  body_vector, "frame"), &
                   text_key("frame", "body", "body space", "the frame of value"), &
                   number_key("frequency", 1, 1, "0", "radians per time", &
                   "W of a harmonic torque"), &
                   number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
                   number_key("times", 1, -1, "", "time", &
                   "times of a table, increasing; constant beyond both ends"), &
-                  number_key("table", 3, -1, "", "torque", "three numbers for each time"), &
+                  number_key("table", 3, -1, "", "torque", "three numbers for each time", &
+                  body_vector, "frame"), &
                   text_key("file", "", "", "scene only: file with lines of t, three torques")])
    end function describe_torque
 

@@ -7,7 +7,8 @@ module poinsot_ensemble_gather
    use poinsot_ensemble_block, only: host_arrays, open_host, load_block, store_block
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_count, collect_chunk, next_block
-   use poinsot_ensemble_plan, only: poinsot_plan, attach_plan
+   use poinsot_ensemble_compose, only: attach_plan
+   use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_system, only: ensemble_flows
    !$ use omp_lib, only: omp_in_parallel, omp_get_max_threads
    implicit none(type, external)

@@ -9,7 +9,8 @@ module poinsot_ensemble_observe
    use poinsot_ensemble_coupled, only: coupled_energy
    use poinsot_ensemble_drive, only: block_job, for_each_block
    use poinsot_ensemble_layout, only: from_native, space_momentum
-   use poinsot_ensemble_plan, only: poinsot_plan, attach_plan
+   use poinsot_ensemble_compose, only: attach_plan
+   use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_rotate, only: check_step
    use poinsot_ensemble_step, only: check_ready
    use poinsot_splitting_block_flows, only: block_flows

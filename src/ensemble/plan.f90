@@ -7,25 +7,22 @@ module poinsot_ensemble_plan
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
       poinsot_e_size
    use poinsot_body_class, only: body_class, make_class
-   use poinsot_body_inertia, only: principal_axes
+   use poinsot_body_inertia, only: principal_axes, is_diagonal
    use poinsot_core_number, only: parse_integer, number_ok
-   use poinsot_rotation_conversions, only: from_matrix
-   use poinsot_effect_effect, only: effect, effect_item, flow_effect, pair_effect
-   use poinsot_effect_gyrostat, only: gyrostat
+   use poinsot_rotation_conversions, only: from_matrix, to_matrix
+   use poinsot_effect_effect, only: effect, effect_item
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: setting
    use poinsot_ensemble_layout, only: momentum_names, body_momentum, layout_names, &
       layout_momentum
    use poinsot_free_method, only: free_method, find_method
-   use poinsot_splitting_block_flows, only: block_flows
-   use poinsot_splitting_class_flows, only: class_flows, compose_class
+   use poinsot_splitting_class_flows, only: class_flows
    use poinsot_splitting_registry, only: find_splitting
-   use poinsot_splitting_tableaux, only: splitting, free_scheme
+   use poinsot_splitting_tableaux, only: splitting
    implicit none(type, external)
    private
-   public :: poinsot_plan, add_class, add_tensor_class, set_option, add_effect, add_ready_effect, &
-      make_ready
-   public :: attach_plan, scheme_of
+   public :: poinsot_plan, add_class, add_tensor_class, class_axes, set_option, add_effect, &
+      add_ready_effect, grow, refused
 
    !> What a calculation needs to know beforehand. It holds all that it uses, so that it may be
    !> copied.
@@ -34,6 +31,7 @@ module poinsot_ensemble_plan
       type(body_class), allocatable :: classes(:)
       type(free_method) :: method                 !! set on creation to `exact`
       type(splitting) :: splitting                !! set to `srkn6`
+      logical :: physical = .true.                !! classes must have moments that a mass can have
       integer :: momentum = body_momentum         !! the caller's momentum variable
       logical :: principal = .false.              !! the caller's arrays are in principal frames,
                                                   !! whatever frame a class was given in
@@ -48,21 +46,35 @@ module poinsot_ensemble_plan
       type(class_flows), allocatable :: composed(:)  !! what acts, once for all classes that share it
       integer, allocatable :: composition(:)      !! (classes): which of these
       logical :: has_dissipation = .false.        !! of any class
+   contains
+      procedure :: is_turned
    end type poinsot_plan
 
 contains
 
+   !> Are the caller's arrays, for bodies of this class, in another frame than the principal one?
+   pure logical function is_turned(plan, class)
+      class(poinsot_plan), intent(in) :: plan
+      type(body_class), intent(in) :: class
+      is_turned = class%turned .and. .not. plan%principal
+   end function is_turned
+
    !> Add a body class by principal moments; bodies name it by its number.
-   subroutine add_class(plan, moments, number, error)
+   subroutine add_class(plan, moments, number, error, axes)
       type(poinsot_plan), intent(inout) :: plan
       real(dp), intent(in) :: moments(3)            !! principal moments, any order, any unit
       integer, intent(out) :: number                !! of the class, from 1
       type(poinsot_error), intent(inout) :: error   !! POINSOT_E_DOMAIN for unphysical moments
+      real(dp), intent(in), optional :: axes(3, 3)  !! its columns the principal axes in the frame
+                                                    !! that the class was given in
       call append_class(plan, moments, number, error)
+      if (raised(error) .or. .not. present(axes)) return
+      plan%classes(number)%axes = from_matrix(axes)
+      plan%classes(number)%turned = any(abs(plan%classes(number)%axes(2:4)) > 0)
    end subroutine add_class
 
-   !> Add a body class by its inertia tensor in the caller's body frame, which y and q of its bodies
-   !> then refer to.
+   !> Add a body class by its inertia tensor in the caller's body frame, which y, q, torques and the
+   !> body vectors of effects then refer to. Entries of a diagonal tensor are moments.
    subroutine add_tensor_class(plan, tensor, number, error)
       type(poinsot_plan), intent(inout) :: plan
       real(dp), intent(in) :: tensor(3, 3)
@@ -70,19 +82,31 @@ contains
       type(poinsot_error), intent(inout) :: error
       real(dp) :: moments(3), axes(3, 3)
       number = 0
-      call principal_axes(tensor, moments, axes, error)
-      if (raised(error)) return
-      call append_class(plan, moments, number, error)
-      if (.not. raised(error)) call set_axes(plan%classes(number), axes)
+      if (refused(plan, error)) return
+      if (is_diagonal(tensor)) then
+         call add_class(plan, [tensor(1, 1), tensor(2, 2), tensor(3, 3)], number, error)
+         return
+      end if
+      call principal_axes(tensor, moments, axes, error, plan%physical)
+      if (.not. raised(error)) call add_class(plan, moments, number, error, axes)
    end subroutine add_tensor_class
 
-   !> The frame that a class was given in.
-   subroutine set_axes(class, axes)
-      type(body_class), intent(inout) :: class
-      real(dp), intent(in) :: axes(3, 3)          !! its columns the principal axes
-      class%axes = from_matrix(axes)
-      class%turned = any(abs(class%axes(2:4)) > 0)
-   end subroutine set_axes
+   !> The principal axes of a class as the columns of a rotation: x_given = matmul(axes,
+   !> x_principal). The identity for a class made from moments.
+   subroutine class_axes(plan, number, axes, error)
+      type(poinsot_plan), intent(in) :: plan
+      integer, intent(in) :: number                 !! of the class, from 1
+      real(dp), intent(inout) :: axes(3, 3)
+      type(poinsot_error), intent(inout) :: error   !! POINSOT_E_DOMAIN if there is no such class
+      integer :: classes
+      classes = 0
+      if (allocated(plan%classes)) classes = size(plan%classes)
+      if (number < 1 .or. number > classes) then
+         call raise(error, poinsot_e_domain, "plan: there is no body class of that number")
+      else
+         axes = to_matrix(plan%classes(number)%axes)
+      end if
+   end subroutine class_axes
 
    subroutine append_class(plan, moments, number, error)
       type(poinsot_plan), intent(inout) :: plan
@@ -101,7 +125,7 @@ contains
          call raise(error, poinsot_e_memory, "no memory for another body class")
          return
       end if
-      call make_class(moments, classes(n + 1), error)
+      call make_class(moments, classes(n + 1), error, plan%physical)
       if (raised(error)) return
       if (n > 0) classes(1:n) = plan%classes
       call move_alloc(classes, plan%classes)
@@ -184,129 +208,49 @@ contains
       class(effect), allocatable :: made
       if (refused(plan, error)) return
       call make_effect(name, settings, made, error)
-      if (raised(error)) return
-      call add_ready_effect(plan, made, error)
+      if (.not. raised(error)) call add_ready_effect(plan, made, error, settings)
    end subroutine add_effect
 
    !> Add an effect of the user's own type: an extension of torque_effect, flow_effect or
-   !> pair_effect.
-   subroutine add_ready_effect(plan, made, error)
+   !> pair_effect. Or one that was made from settings already.
+   subroutine add_ready_effect(plan, made, error, settings)
       type(poinsot_plan), intent(inout) :: plan
       class(effect), allocatable, intent(inout) :: made   !! moved into the plan
       type(poinsot_error), intent(inout) :: error
-      type(effect_item), allocatable :: effects(:)
-      integer :: n, i, state
+      type(setting), intent(in), optional :: settings(:)
+      type(effect_item) :: item
       if (refused(plan, error)) return
+      call move_alloc(made, item%it)
+      if (present(settings)) item%settings = settings
+      call grow(plan%effects, 1, error)
+      if (.not. raised(error)) call move_item(item, plan%effects(size(plan%effects)))
+   end subroutine add_ready_effect
+
+   !> Room for more effects, or, if negative, for fewer.
+   subroutine grow(effects, more, error)
+      type(effect_item), allocatable, intent(inout) :: effects(:)
+      integer, intent(in) :: more
+      type(poinsot_error), intent(inout) :: error
+      type(effect_item), allocatable :: longer(:)
+      integer :: n, i, state
       n = 0
-      if (allocated(plan%effects)) n = size(plan%effects)
-      allocate (effects(n + 1), stat=state)
+      if (allocated(effects)) n = size(effects)
+      allocate (longer(n + more), stat=state)
       if (state /= 0) then
          call raise(error, poinsot_e_memory, "no memory for another effect")
          return
       end if
-      do i = 1, n
-         call move_alloc(plan%effects(i)%it, effects(i)%it)
+      do i = 1, min(n, n + more)
+         call move_item(effects(i), longer(i))
       end do
-      call move_alloc(made, effects(n + 1)%it)
-      call move_alloc(effects, plan%effects)
-   end subroutine add_ready_effect
+      call move_alloc(longer, effects)
+   end subroutine grow
 
-   !> Close the plan: compose effects, check that they, the classes and the splitting fit. Immutable
-   !> from here on.
-   subroutine make_ready(plan, error)
-      type(poinsot_plan), intent(inout) :: plan
-      type(poinsot_error), intent(inout) :: error
-      if (refused(plan, error)) return
-      if (.not. allocated(plan%classes)) then
-         call raise(error, poinsot_e_size, &
-            "plan: add at least one body class before it is made ready")
-         return
-      end if
-      if (.not. associated(plan%method%increment)) call find_method("exact", plan%method, error)
-      if (plan%splitting%name == "") call find_splitting("srkn6", plan%splitting, error)
-      if (.not. allocated(plan%effects)) allocate (plan%effects(0))
-      call check_classes(plan, error)
-      if (.not. raised(error)) call compose_all(plan, error)
-      plan%ready = .not. raised(error)
-   end subroutine make_ready
-
-   !> Every class that an effect names must be there.
-   subroutine check_classes(plan, error)
-      type(poinsot_plan), intent(inout) :: plan
-      type(poinsot_error), intent(inout) :: error
-      integer :: i
-      do i = 1, size(plan%effects)
-         select type (one => plan%effects(i)%it)
-         class is (pair_effect)
-            plan%coupled = .true.
-         class is (flow_effect)
-            plan%has_dissipation = .true.
-         end select
-         if (plan%effects(i)%it%class_index > size(plan%classes)) then
-            call raise(error, poinsot_e_domain, "effect '"//trim(plan%effects(i)%it%name)// &
-                       "' acts on a body class that the plan does not have")
-            return
-         end if
-      end do
-   end subroutine check_classes
-
-   !> What acts on each class, once for all classes that nothing tells apart.
-   subroutine compose_all(plan, error)
-      type(poinsot_plan), intent(inout) :: plan
-      type(poinsot_error), intent(inout) :: error
-      integer :: c, n, classes, state
-      logical :: alike
-      classes = size(plan%classes)
-      alike = all_alike(plan%effects)
-      n = merge(1, classes, alike)
-      allocate (plan%composed(n), plan%composition(classes), stat=state)
-      if (state /= 0) then
-         call raise(error, poinsot_e_memory, "no memory for the flows of the body classes")
-         return
-      end if
-      plan%free = free_scheme()
-      plan%composition = [(min(c, n), c=1, classes)]
-      do c = 1, n
-         call compose_class(plan%classes(c), c, plan%splitting, plan%effects, plan%composed(c), &
-                            error)
-         if (raised(error)) exit
-      end do
-      if (raised(error)) deallocate (plan%composed, plan%composition)
-   end subroutine compose_all
-
-   !> Does every effect act on all classes in the same way? A rotor turns each as its moments say.
-   logical function all_alike(effects)
-      type(effect_item), intent(in) :: effects(:)
-      integer :: i
-      all_alike = .true.
-      do i = 1, size(effects)
-         if (effects(i)%it%class_index /= 0) all_alike = .false.
-         select type (one => effects(i)%it)
-         class is (gyrostat)
-            all_alike = .false.
-         end select
-      end do
-   end function all_alike
-
-   !> Show a block what acts on its class. It points into the plan: for the length of a call.
-   subroutine attach_plan(plan, b)
-      type(poinsot_plan), intent(in), target :: plan   !! ready
-      type(block_flows), intent(inout) :: b            !! number and class are known
-      call b%attach(b%class, plan%method, plan%composed(plan%composition(b%number)), &
-                    plan%effects, plan%seed)
-   end subroutine attach_plan
-
-   !> The scheme of a block: the plan's, or the bare free rotation where there is no torque.
-   function scheme_of(plan, b) result(scheme)
-      type(poinsot_plan), intent(in), target :: plan   !! ready
-      type(block_flows), intent(in) :: b               !! attached
-      type(splitting), pointer :: scheme
-      if (size(b%acting%torques) > 0) then
-         scheme => plan%splitting
-      else
-         scheme => plan%free
-      end if
-   end function scheme_of
+   subroutine move_item(from, to)
+      type(effect_item), intent(inout) :: from, to
+      call move_alloc(from%it, to%it)
+      if (allocated(from%settings)) call move_alloc(from%settings, to%settings)
+   end subroutine move_item
 
    !> A ready plan takes no more changes.
    logical function refused(plan, error)

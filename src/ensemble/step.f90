@@ -11,7 +11,8 @@ module poinsot_ensemble_step
    use poinsot_ensemble_drive, only: block_job, for_each_block
    use poinsot_ensemble_layout, only: body_momentum, space_momentum, conjugate_momentum, &
       turn_to_body
-   use poinsot_ensemble_plan, only: poinsot_plan, attach_plan, scheme_of
+   use poinsot_ensemble_compose, only: attach_plan, scheme_of
+   use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_rotate, only: check_step
    use poinsot_free_accumulate, only: add_kick, add_kick_compensated
    use poinsot_free_limits, only: reject_speed
@@ -203,7 +204,7 @@ contains
          call add_momentum(self%view, self%h*dy, b)
          return
       end if
-      call turn_to_body(self%plan%space_torque, b%class%turned, b%class, b%q, dy)
+      call turn_to_body(self%plan%space_torque, self%plan%is_turned(b%class), b%class, b%q, dy)
       do j = 1, 3
          dy(:, j) = self%h*dy(:, j)
          if (.not. b%class%inverse(j) > 0) dy(:, j) = 0

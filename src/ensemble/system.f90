@@ -174,7 +174,7 @@ contains
       do k = 1, size(self%at)
          associate (s => self%at(k))
             q = s%q
-            call from_native(body_momentum, s%class%turned, s%class, s%y, q, p)
+            call from_native(body_momentum, self%plan%is_turned(s%class), s%class, s%y, q, p)
             do l = 1, s%n
                self%q(s%at(l), :) = q(l, :)
             end do
@@ -191,7 +191,7 @@ contains
                g(l, :) = self%torque(s%at(l), :)
             end do
             call reject_values(s, g)
-            call turn_to_body(self%plan%space_torque, s%class%turned, s%class, s%q, g)
+            call turn_to_body(self%plan%space_torque, self%plan%is_turned(s%class), s%class, s%q, g)
             s%g = s%g + g
          end associate
       end do

@@ -3,14 +3,17 @@ module poinsot_scene_bodies
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: text_of
-   use poinsot_scene_settings, only: body_group, random_none, random_uniform, random_thermal
+   use poinsot_effect_gyrostat, only: gyrostat
+   use poinsot_scene_settings, only: scene_settings, body_group, random_none, random_uniform, random_thermal
    use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
       integer_of, reject_key
    use poinsot_rotation_quaternion, only: quaternion_product, unit_tolerance
    use poinsot_scene_inertia, only: find_moments
    implicit none(type, external)
    private
-   public :: build_bodies
+   public :: build_bodies, add_rotors
+
+   real(dp), parameter :: axis_slack = 1e-6_dp !! momentum about a zero moment, relative to |y|
 
 contains
 
@@ -111,13 +114,13 @@ contains
             call reject_key(group, key, "times the moments is beyond the range of numbers", error)
             return
          end if
-         bodies%y = bodies%moments*vector
+         bodies%y = bodies%moments*vector ! and the rotor's, which is not known yet
+         bodies%from_omega = .true.
          return
       end if
       bodies%y = vector
-      ! about an axis without inertia nothing can turn; a tensor's axes come with rounding
-      where (bodies%moments <= 0 .and. bodies%turned .and. &
-             abs(vector) <= 1e-13_dp*maxval(abs(vector))) bodies%y = 0
+      ! about an axis without inertia nothing can turn; files have few digits
+      where (bodies%moments <= 0 .and. abs(vector) <= axis_slack*maxval(abs(vector))) bodies%y = 0
       do j = 1, 3
          if (bodies%moments(j) > 0 .or. abs(bodies%y(j)) <= 0) cycle
          call reject_key(group, &
@@ -126,5 +129,31 @@ contains
          return
       end do
    end subroutine build_momentum
+
+   !> The rotors of gyrostats, once the effects are known: a body whose angular velocity was given has
+   !> the momentum I omega + rotor.
+   subroutine add_rotors(scene)
+      type(scene_settings), intent(inout) :: scene   !! its effects are built
+      integer :: i, k
+      do k = 1, size(scene%effects)
+         select type (one => scene%effects(k)%made)
+         class is (gyrostat)
+            do i = 1, size(scene%bodies)
+               if (.not. one%acts_on(i)) cycle
+               associate (bodies => scene%bodies(i))
+                  if (bodies%turned) then
+                     bodies%rotor = bodies%rotor + matmul(transpose(bodies%axes), one%rotor)
+                  else
+                     bodies%rotor = bodies%rotor + one%rotor
+                  end if
+               end associate
+            end do
+         end select
+      end do
+      do i = 1, size(scene%bodies)
+         if (scene%bodies(i)%from_omega) scene%bodies(i)%y = scene%bodies(i)%y &
+            + scene%bodies(i)%rotor
+      end do
+   end subroutine add_rotors
 
 end module poinsot_scene_bodies

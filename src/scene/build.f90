@@ -13,7 +13,7 @@ module poinsot_scene_build
    use poinsot_scene_typed_group, only: typed_group, type_group, given, number_of, numbers_of, &
       word_of, &
       integer_of, plain, reject_key
-   use poinsot_scene_bodies, only: build_bodies
+   use poinsot_scene_bodies, only: build_bodies, add_rotors
    use poinsot_scene_effects, only: build_effects
    use poinsot_scene_schedule, only: step_total, output_count
    implicit none(type, external)
@@ -39,6 +39,7 @@ contains
       if (.not. raised(error)) call build_run(source, scene, error)
       if (.not. raised(error)) call build_all_bodies(source, scene, error)
       if (.not. raised(error)) call build_effects(source, scene, error)
+      if (.not. raised(error)) call add_rotors(scene)
       if (.not. raised(error)) call build_output(source, scene, error)
       if (.not. raised(error)) call check_run(source, scene, error)
    end subroutine build_scene

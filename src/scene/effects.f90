@@ -3,7 +3,6 @@ module poinsot_scene_effects
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_e_io
-   use poinsot_effect_effect, only: effect
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: effect_info, setting, was_given, number_setting
    use poinsot_scene_source, only: scene_source, find_group, reject
@@ -41,7 +40,7 @@ contains
       scene%effects = found(:n)
    end subroutine build_effects
 
-   !> One group; the effect is made once to have its values checked.
+   !> One group, and the effect made from it, which checks its values.
    subroutine build_one(source, k, info, scene, item, error)
       type(scene_source), intent(in) :: source
       integer, intent(in) :: k
@@ -51,7 +50,6 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(typed_group) :: group
       type(poinsot_error) :: refused
-      class(effect), allocatable :: made
       call type_group(source%file, source%groups(k), info, group, error)
       if (raised(error)) return
       item%name = group%name
@@ -66,7 +64,7 @@ contains
       if (item%name == "torque") call take_file(source%file, group, item, error)
       if (item%name == "dipoles") call take_positions(scene, item)
       if (raised(error)) return
-      call make_effect(item%name, item%settings, made, refused)
+      call make_effect(item%name, item%settings, item%made, refused)
       if (raised(refused)) then
          call reject(error, source%file, group%line, "&" // group%name // ": " // &
                      without(refused%message, "effect '" // group%name // "': "))

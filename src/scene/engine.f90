@@ -4,15 +4,16 @@ module poinsot_scene_engine
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_partial, status_text
+   use poinsot_effect_effect, only: effect
    use poinsot_ensemble_bodies, only: body_view, view_rows
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option, add_effect, make_ready
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option, add_effect, add_ready_effect
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_ensemble_observe, only: body_energies
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, effect_setting
    use poinsot_scene_states, only: body_states
    use poinsot_scene_communicator, only: communicator, slice_of
-   use poinsot_scene_turn, only: turn_effect, any_turned
    implicit none(type, external)
    private
    public :: engine, start_engine, engine_step, engine_energy, couples_bodies
@@ -31,8 +32,17 @@ contains
       type(poinsot_error), intent(inout) :: error
       character(*), intent(in), optional :: method !! instead of the scene's
       integer :: i, number
+      this%plan%principal = .true. ! the states are; the scene's effects are in the scene's frames
+      this%plan%threads = scene%threads
+      this%plan%seed = scene%seed
       do i = 1, size(scene%bodies)
-         if (.not. raised(error)) call add_class(this%plan, scene%bodies(i)%moments, number, error)
+         if (raised(error)) return
+         this%plan%physical = scene%bodies(i)%physical
+         if (scene%bodies(i)%turned) then
+            call add_class(this%plan, scene%bodies(i)%moments, number, error, scene%bodies(i)%axes)
+         else
+            call add_class(this%plan, scene%bodies(i)%moments, number, error)
+         end if
       end do
       if (present(method)) then
          call set(this, "method", method, error)
@@ -40,10 +50,8 @@ contains
          call set(this, "method", scene%method, error)
       end if
       call set(this, "splitting", scene%splitting, error)
-      call set(this, "threads", text_of(scene%threads), error)
-      call set(this, "seed", text_of(scene%seed), error)
       do i = 1, size(scene%effects)
-         call add_to_plan(scene, scene%effects(i), this%plan, error)
+         if (.not. raised(error)) call add_to_plan(scene%effects(i), this%plan, error)
       end do
       if (.not. raised(error)) call make_ready(this%plan, error)
    end subroutine start_engine
@@ -55,26 +63,19 @@ contains
       if (.not. raised(error)) call set_option(this%plan, key, value, error)
    end subroutine set
 
-   !> An effect into the plan. Where a group has a frame of its own, the effect's body vectors are
-   !> turned into the principal frame, for each group apart.
-   subroutine add_to_plan(scene, item, plan, error)
-      type(scene_settings), intent(in) :: scene
+   !> The effect that was made when the scene was read, into the plan; made anew if its settings have
+   !> changed since.
+   subroutine add_to_plan(item, plan, error)
       type(effect_setting), intent(in) :: item
       type(poinsot_plan), intent(inout) :: plan
       type(poinsot_error), intent(inout) :: error
-      type(effect_setting) :: turned
-      integer :: class
-      if (raised(error)) return
-      if (.not. any_turned(scene)) then
+      class(effect), allocatable :: made
+      if (allocated(item%made)) then
+         allocate (made, source=item%made)
+         call add_ready_effect(plan, made, error, item%settings)
+      else
          call add_effect(plan, item%name, item%settings, error)
-         return
       end if
-      do class = 1, size(scene%bodies)
-         call turn_effect(scene, item, class, turned)
-         if (size(turned%settings) == 0) cycle ! not for this class
-         call add_effect(plan, turned%name, turned%settings, error)
-         if (raised(error)) return
-      end do
    end subroutine add_to_plan
 
    !> Does a body's motion depend on the others'?

@@ -4,7 +4,7 @@ module poinsot_scene_inertia
    use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_rotation_conversions, only: from_matrix
    use poinsot_body_moments, only: accept_moments
-   use poinsot_body_inertia, only: principal_axes
+   use poinsot_body_inertia, only: principal_axes, is_diagonal
    use poinsot_body_shapes, only: shape_moments, shape_names, shape_sizes
    use poinsot_core_nearest, only: suggestion
    use poinsot_scene_text, only: quoted
@@ -47,13 +47,20 @@ contains
       end if
    end subroutine find_moments
 
-   !> A full tensor; the scene's frame is then the tensor's, the library's the principal one.
+   !> A full tensor; the scene's frame is then the tensor's, the library's the principal one. Entries
+   !> of a diagonal tensor are moments.
    subroutine from_tensor(group, bodies, error)
       type(typed_group), intent(in) :: group
       type(body_group), intent(inout) :: bodies
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)
       call numbers_of(group, "tensor", values)
+      if (is_diagonal(reshape(values, [3, 3]))) then
+         bodies%moments = values(1:9:4)
+         call accept_moments(bodies%moments, error, bodies%physical)
+         call relabel(group, "tensor", error)
+         return
+      end if
       call principal_axes(transpose(reshape(values, [3, 3])), bodies%moments, bodies%axes, error, &
          bodies%physical)
       call relabel(group, "tensor", error)

@@ -1,6 +1,7 @@
 !> A scene with types: what the reader makes of the file and what the run needs.
 module poinsot_scene_settings
    use poinsot_core_kinds, only: dp, i8
+   use poinsot_effect_effect, only: effect
    use poinsot_effect_settings, only: setting
    implicit none(type, external)
    private
@@ -19,6 +20,8 @@ module poinsot_scene_settings
       logical :: turned = .false.             !! the given frame is not the principal one
       logical :: physical = .true.            !! refuse moments that no mass has
       real(dp) :: y(3) = 0                    !! angular momentum
+      logical :: from_omega = .false.         !! y was given as an angular velocity
+      real(dp) :: rotor(3) = 0                !! momentum of its gyrostats: omega = (y - rotor)/I
       real(dp) :: q(4) = [1, 0, 0, 0]         !! attitude
       integer :: random = random_none
       real(dp) :: temperature = 0             !! k T
@@ -26,12 +29,15 @@ module poinsot_scene_settings
       real(dp) :: spacing(3) = 0              !! from one to the next
    end type body_group
 
-   !> One effect group: name and key-value pairs, as the effect registry takes them.
+   !> One effect group: name and key-value pairs, as the effect registry takes them, in the scene's
+   !> own body frames.
    type :: effect_setting
       character(:), allocatable :: name
       integer :: line = 0
       type(setting), allocatable :: settings(:)
       character(:), allocatable :: file      !! that numbers of it were read from, if any
+      class(effect), allocatable :: made      !! from these settings; whoever changes them deallocates
+                                              !! it
    end type effect_setting
 
    !> &output

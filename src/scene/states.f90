@@ -73,7 +73,8 @@ contains
          normal(1:2) = random_gaussian(seed, id, 0_i8, stream_momentum)
          normal(3:4) = random_gaussian(seed, id, 0_i8, stream_momentum + 1_i4)
          ! roots first: I and kT may each be near the ends of the range
-         states%y(:, j) = sqrt(bodies%moments)*sqrt(bodies%temperature)*normal(1:3)
+         states%y(:, j) = sqrt(bodies%moments)*sqrt(bodies%temperature)*normal(1:3) &
+                           + bodies%rotor
       end do
    end subroutine fill
 

@@ -21,17 +21,17 @@ module poinsot_splitting_class_flows
 
 contains
 
-   !> Pick the effects that act on a body class, and give the class the sum of their rotors.
+   !> Sort the effects that act on a body class, and give the class the sum of their rotors.
    !> POINSOT_E_METHOD if the scheme needs a force gradient that an effect does not have. Pair
    !> effects are not taken: they need all blocks.
-   subroutine compose_class(class, number, scheme, effects, composed, error)
+   subroutine compose_class(class, acting, scheme, effects, composed, error)
       type(body_class), intent(inout) :: class         !! gets its rotor
-      integer, intent(in) :: number                    !! of the class, from 1
+      integer, intent(in) :: acting(:)                 !! places of the effects that act on it
       type(splitting), intent(in) :: scheme
       type(effect_item), intent(in) :: effects(:)      !! of the plan
       type(class_flows), intent(out) :: composed
       type(poinsot_error), intent(inout) :: error
-      integer :: i, state
+      integer :: i, k, state
       allocate (composed%torques(0), composed%dissipative(0), stat=state)
       if (state /= 0) then
          call raise(error, poinsot_e_memory, "no memory for the flows of the body classes")
@@ -39,8 +39,8 @@ contains
       end if
       class%rotor = 0
       class%has_rotor = .false.
-      do i = 1, size(effects)
-         if (.not. effects(i)%it%acts_on(number)) cycle
+      do k = 1, size(acting)
+         i = acting(k)
          select type (one => effects(i)%it)
          class is (torque_effect)
             if (scheme%needs_gradient .and. .not. one%has_gradient()) then

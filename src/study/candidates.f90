@@ -87,6 +87,7 @@ contains
             if (quiet%effects(i)%settings(j)%key /= "temperature") cycle
             call warm(quiet%effects(i)%settings(j)%values(1), quiet%bodies)
             quiet%effects(i)%settings(j)%values = [0.0_dp]
+            deallocate (quiet%effects(i)%made)
          end do
       end do
    end subroutine quiet_scene

@@ -126,6 +126,7 @@ static void jacobi(void) {
 static void plan(void) {
   poinsot_plan *it = NULL;
   const double bad[3] = {1, 1, 3}, tensor[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  double axes[9];
   char text[1024];
   int number = 7;
   size_t length, i;
@@ -137,6 +138,7 @@ static void plan(void) {
   CHECK(poinsot_plan_create(NULL) == POINSOT_E_NULL);
   CHECK(poinsot_plan_add_class(NULL, moments, &number) == POINSOT_E_NULL && number == 7);
   CHECK(poinsot_plan_add_class_tensor(NULL, tensor, &number) == POINSOT_E_NULL);
+  CHECK(poinsot_plan_class_axes(NULL, 0, axes) == POINSOT_E_NULL);
   CHECK(poinsot_plan_set(NULL, "method", "exact") == POINSOT_E_NULL);
   CHECK(poinsot_plan_add_effect(NULL, "gravity", "") == POINSOT_E_NULL);
   CHECK(poinsot_plan_ready(NULL) == POINSOT_E_NULL);
@@ -155,7 +157,11 @@ static void plan(void) {
   CHECK(poinsot_plan_message(it, text, 8) == length && strlen(text) == 7 && text[8] == 'x');
   CHECK(poinsot_plan_message(it, text, 1) == length && text[0] == 0);
   CHECK(poinsot_plan_message(it, text, (size_t)-1) == length);
+  CHECK(poinsot_plan_class_axes(it, 0, axes) == POINSOT_E_DOMAIN); /* no class yet */
   CHECK(poinsot_plan_add_class(it, moments, &number) == POINSOT_OK && number == 0);
+  CHECK(poinsot_plan_class_axes(it, 0, NULL) == POINSOT_E_NULL && poinsot_plan_class_axes(it, -1, axes) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_class_axes(it, 2147483647, axes) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_class_axes(it, 0, axes) == POINSOT_OK && axes[0] == 1 && axes[1] == 0 && axes[8] == 1);
   CHECK(poinsot_plan_message(it, text, sizeof text) == 0);
   CHECK(poinsot_plan_add_class(it, moments, &number) == POINSOT_OK && number == 1);
   CHECK(poinsot_plan_set(it, NULL, "exact") == POINSOT_E_NULL);
