@@ -4,22 +4,24 @@
 !> a mirror image, so it comes with `parity = -1`, the sign of momentum and of the vector part of a
 !> rotation. All constants below are dimensionless and finite for every physical body, linear, flat,
 !> symmetric and spherical ones alike; nothing here multiplies two moments, so that SI units of
-!> molecules (1e-46 kg m^2) cost nothing.
+!> molecules (1e-46 kg m^2) cost nothing. What a body's own constants share with it is made by
+!> poinsot_body_constants.
 module poinsot_body_class
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_body_moments, only: accept_moments, moment_tolerance
-   use poinsot_body_series, only: max_degree, degree_bound, correction_series
-   use poinsot_body_economy, only: last_kept, economised, economy_bound
-   use poinsot_body_universal, only: universal_bound, economy_range, sine_error
+   use poinsot_body_moments, only: accept_moments
+   use poinsot_body_constants, only: lane_constants, make_constants
+   use poinsot_body_series, only: max_degree, first_tabulated, degree_bound, correction_series
+   use poinsot_body_series_start, only: start_degree, axis_series
+   use poinsot_body_economization, only: last_kept, economized, economization_bound
+   use poinsot_body_sine_series, only: short_range, short_step, long_range, short_sine_error, &
+      short_product_error, long_sine_error
    implicit none(type, external)
    private
-   public :: body_class, make_class, series_levels, longest_step
+   public :: body_class, make_class, extend_class, long_series, series_levels, longest_step, highest_degree
 
    integer, parameter :: series_levels = 2              !! lengths of series the exact step offers
-   integer, parameter :: low_degree = 4                 !! highest power of h^2 in P and R of the
-                                                        !! first
+   integer, parameter :: highest_degree = 11    !! of P and R that a method can ask for: order 24
    real(dp), parameter :: fastest = 1e70_dp      !! angular velocity, in the caller's unit, that no
                                                  !! body may exceed: no square of a kernel overflows
    real(dp), parameter :: longest_step = 0.7_dp         !! h |omega| of the longest single exact
@@ -42,12 +44,16 @@ module poinsot_body_class
       real(dp) :: f1 = 0                  !! (I3-I2)/I3
       real(dp) :: g1 = 0.5_dp             !! theta I3/I1; 0 if I1 = 0
       real(dp) :: g3 = 0.5_dp             !! (1-theta) I1/I3
-      real(dp) :: p(0:max_degree, 0:max_degree) = 0 !! series 1 + P: coefficient (i,j) of p^i r^j
-      real(dp) :: r(0:max_degree, 0:max_degree) = 0 !! series 1 + R
-      real(dp) :: high_p(0:2, 0:6) = 0 !! degrees 5 to 7 of the second level (poinsot_body_economy)
+      !> Series (1 + P)/2 and (1 + R)/2: coefficient (i, j) of p^i r^j to degree 4
+      real(dp) :: half_p(0:start_degree, 0:start_degree) = 0
+      real(dp) :: half_r(0:start_degree, 0:start_degree) = 0
+      !> Half of degrees 5 to 7 of the second level (poinsot_body_economization)
+      real(dp) :: high_p(0:2, 0:6) = 0
       real(dp) :: high_r(0:2, 0:6) = 0
       real(dp) :: reach(series_levels) = 0 !! largest (h |omega|)^2 for which a level is exact to
                                            !! rounding
+      !> 1 + P and 1 + R to degree 11, (i, j) of p^i r^j, once extend_class has been asked for them
+      real(dp), allocatable :: higher(:, :, :)
       ! of the class in a plan
       real(dp) :: axes(4) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp] !! principal frame -> the frame that
                                            !! the caller gave it in
@@ -67,8 +73,10 @@ contains
       type(body_class), intent(out) :: class     !! constants for the kernels
       type(poinsot_error), intent(inout) :: error !! which moment is wrong, and why
       logical, intent(in), optional :: physical   !! default .true.
-      real(dp) :: accepted(3), i1, i2, i3, top
-      logical :: body
+      real(dp) :: accepted(3)
+      type(lane_constants) :: c
+      real(dp), dimension(0:max_degree, 0:max_degree) :: p, r
+      real(dp) :: block(lanes, 3)
 
       accepted = moments
       call accept_moments(accepted, error, physical)
@@ -81,34 +89,78 @@ contains
          class%limit = fastest*min(accepted, 1e200_dp)
       end where
       call sort(accepted, class%order, class%parity)
-      class%scale = scale(1.0_dp, exponent(maxval(accepted)) - 1)
-      class%sorted = accepted(class%order)/class%scale
       ! what has no inertia about two axes, or three, turns about the last alone: as a line does
-      if (class%sorted(2) <= 0) class%sorted(2:) = max(class%sorted(3), 1.0_dp)
-      i1 = class%sorted(1)
-      i2 = class%sorted(2)
-      i3 = class%sorted(3)
-      ! A thin body's I3 - I2 may exceed I1 by no more than a rounding of I3, and be many times I1:
-      ! every constant takes the same physical value, or they would be of different bodies.
-      body = i3 <= (i1 + i2)*(1 + moment_tolerance)
-      top = i3 - i2
-      if (body) top = min(top, i1)
-      class%top = top
-      class%a = [ratio(top, i1), ratio(i3 - i1, i2), ratio(i2 - i1, i3)]
-      if (body) class%a = min(class%a, 1.0_dp)
-      if (i3 > i1) then
-         class%theta = top/(i3 - i1)
-         class%k1 = ratio(class%theta, i1)*i2
-         class%k3 = (i2 - i1)/(i3 - i1)*(i2/i3)
-         class%g1 = ratio(class%theta, i1)*i3
-         class%g3 = (i2 - i1)/(i3 - i1)*(i1/i3)
+      if (accepted(class%order(2)) <= 0) then
+         if (accepted(class%order(3)) <= 0) accepted = 1
+         accepted(class%order(2)) = accepted(class%order(3))
+         accepted(class%order(1)) = 0
       end if
-      class%f1 = ratio(top, i3)
-      call correction_series(class%a, class%p, class%r)
-      class%reach = reach_of(class)
-      class%high_p = economised(class%p, class%reach(series_levels))
-      class%high_r = economised(class%r, class%reach(series_levels))
+      block(:group, :) = spread(accepted, 1, group)
+      call make_constants(1, block, c)
+      call take_first(c, class)
+      call correction_series(class%a, max_degree, p, r)
+      class%reach = reach_of(class, p, r)
+      class%high_p = 0.5_dp*economized(p, class%reach(series_levels))
+      class%high_r = 0.5_dp*economized(r, class%reach(series_levels))
    end subroutine make_class
+
+   !> The constants of the first body of a block, and those that only other methods need.
+   pure subroutine take_first(c, class)
+      type(lane_constants), intent(in) :: c
+      type(body_class), intent(inout) :: class
+      real(dp) :: i1, i3, low
+      integer :: j
+      class%sorted = c%moments(1, :)
+      class%scale = c%scale(1)
+      class%top = c%top(1)
+      class%a = c%a(1, :)
+      class%theta = c%theta(1)
+      class%k1 = c%k1(1)
+      class%k3 = c%k3(1)
+      class%f1 = c%f1(1)
+      class%half_p(:, 0) = axis_series
+      class%half_r(0, :) = axis_series
+      do j = 1, start_degree
+         class%half_p(:start_degree - j, j) = c%half_p(1, :start_degree - j, j)
+         class%half_r(j, :start_degree - j) = c%half_r(1, j, :start_degree - j)
+      end do
+      i1 = class%sorted(1)
+      i3 = class%sorted(3)
+      if (i3 <= i1) return
+      low = (class%sorted(2) - i1)/(i3 - i1)
+      class%g1 = ratio(class%theta, i1)*i3
+      class%g3 = low*(i1/i3)
+   end subroutine take_first
+
+   !> Keep the series that a method with more terms of it needs than every class has (`dmv12` and
+   !> on). Without it such a method works them out at every call.
+   pure subroutine extend_class(class, terms)
+      type(body_class), intent(inout) :: class
+      integer, intent(in) :: terms !! degree in h^2, at most highest_degree; below 5 nothing is done
+      integer :: failed
+      if (terms <= start_degree .or. allocated(class%higher)) return
+      allocate (class%higher(0:highest_degree, 0:highest_degree, 2), stat=failed)
+      if (failed == 0) call long_series(class, highest_degree, class%higher)
+   end subroutine extend_class
+
+   !> Coefficients (i, j) of p^i r^j of 1 + P and 1 + R to degree `terms`.
+   pure subroutine long_series(class, terms, c)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: terms !! start_degree to highest_degree
+      real(dp), intent(out) :: c(0:highest_degree, 0:highest_degree, 2)
+      real(dp), dimension(0:max_degree, 0:max_degree) :: p, r
+      integer :: i, n
+      call correction_series(class%a, terms, p, r)
+      c = 0
+      c(:start_degree, :start_degree, 1) = 2*class%half_p
+      c(:start_degree, :start_degree, 2) = 2*class%half_r
+      do n = first_tabulated, terms
+         do i = 0, n
+            c(i, n - i, 1) = p(i, n)
+            c(i, n - i, 2) = r(i, n)
+         end do
+      end do
+   end subroutine long_series
 
    !> x / y, and 0 for a zero moment y.
    pure real(dp) function ratio(x, y)
@@ -145,39 +197,38 @@ contains
    !>
    !> They are bounded degree by degree, on p + r <= s, the bound of (h |omega|)^2 over the whole
    !> motion (reached where omega2 = 0): of the first level the Bernstein coefficients of the parts
-   !> left out, of the second economy_bound. With z = max(a1 a2, a2 a3)/4, so that X + Z <= z s, an
-   !> attitude error is at most sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8). W comes from T: dW <= 0.6
-   !> dT, as the second level's range is X + Z <= 0.07.
-   pure function reach_of(class) result(reach)
+   !> left out, of the second economization_bound. With z = max(a1 a2, a2 a3)/4, so that X + Z <= z s,
+   !> an attitude error is at most sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8); of the second level W
+   !> comes from T, dW <= 0.6 dT.
+   pure function reach_of(class, p, r) result(reach)
       type(body_class), intent(in) :: class
+      real(dp), intent(in), dimension(0:, 0:) :: p, r
       real(dp) :: reach(series_levels)
-      real(dp) :: bound(0:max_degree, 2), z, range
+      real(dp) :: bound(0:max_degree), z
       real(dp), parameter :: sine_to_product = 0.6_dp
       integer :: n
 
       z = 0.25_dp*class%a(2)*max(class%a(1), class%a(3))
       bound = 0
-      do n = low_degree + 1, max_degree
-         bound(n, 1) = 0.5_dp*max(degree_bound(class%p, n), degree_bound(class%r, n))
-         if (n > low_degree + 1) bound(n, 1) = bound(n, 1) + 0.5_dp*z**n*universal_bound(n - 1)
-         bound(n, 2) = 0.125_dp*sine_to_product*z**n*universal_bound(n)
+      do n = start_degree + 1, max_degree
+         bound(n) = 0.5_dp*max(degree_bound(p(:, n), n), degree_bound(r(:, n), n))
       end do
-      reach(1) = largest(bound, longest_step**2)
+      bound(1) = 0.5_dp*z*short_sine_error
+      reach(1) = largest(bound, 0.125_dp*short_product_error, &
+                         min(short_step, short_range/max(z, 0.1_dp)))
       bound = 0
       do n = last_kept + 1, max_degree
-         bound(n, 1) = 0.5_dp*max(economy_bound(class%p, n), economy_bound(class%r, n))
+         bound(n) = 0.5_dp*max(economization_bound(p(:, n), n), economization_bound(r(:, n), n))
       end do
-      bound(1, 1) = 0.5_dp*z*sine_error
-      bound(0, 2) = 0.125_dp*sine_to_product*sine_error
-      range = longest_step**2
-      if (z*range > economy_range) range = economy_range/z
-      reach(2) = max(reach(1), largest(bound, range))
+      bound(1) = 0.5_dp*z*long_sine_error
+      reach(2) = largest(bound, 0.125_dp*sine_to_product*long_sine_error, &
+                         min(longest_step**2, long_range/max(z, 0.1_dp)))
+      reach(2) = max(reach(1), reach(2))
    end function reach_of
 
-   !> Largest s <= range with sqrt(s) sum_n (bound(n,1) + sqrt(s) bound(n,2)) s^n <= allowed, by
-   !> bisection.
-   pure real(dp) function largest(bound, range)
-      real(dp), intent(in) :: bound(0:max_degree, 2), range
+   !> Largest s <= range with sqrt(s) (sum_n bound(n) s^n + last sqrt(s)) <= allowed, by bisection.
+   pure real(dp) function largest(bound, last, range)
+      real(dp), intent(in) :: bound(0:max_degree), last, range
       real(dp), parameter :: allowed = 0.25_dp*epsilon(1.0_dp)
       real(dp) :: low, high, s
       integer :: i
@@ -185,7 +236,7 @@ contains
       high = range
       largest = high
       if (tail(high) <= allowed) return
-      do i = 1, 40
+      do i = 1, 26
          s = 0.5_dp*(low + high)
          if (tail(s) <= allowed) then
             low = s
@@ -200,9 +251,9 @@ contains
          integer :: n
          tail = 0
          do n = max_degree, 0, -1
-            tail = tail*s + (bound(n, 1) + sqrt(s)*bound(n, 2))
+            tail = tail*s + bound(n)
          end do
-         tail = tail*sqrt(s)
+         tail = (tail + last*sqrt(s))*sqrt(s)
       end function tail
    end function largest
 

@@ -1,162 +1,116 @@
 !> The two series P and R that turn a body's moments into the modified moments of the Moser-Veselov
-!> map (mathematics, sections 2 and 3).
+!> map (mathematics, sections 2 and 3): power series in h^2 whose coefficient of degree n is a
+!> homogeneous polynomial in (p, r).
 !>
-!> Each is a power series in h^2 whose n-th coefficient is a homogeneous polynomial of degree n in
-!> (p, r). They come from a Taylor recursion without any division by a difference of moments, so
-!> that nearly symmetric, nearly spherical and nearly linear bodies cost no digits.
+!> Their coefficients are polynomials in b = a1 a2, c = a2 a3 and a2, tabulated once for all bodies
+!> by tools/series_table.py; no difference of moments is divided by, so that nearly symmetric, nearly
+!> spherical and nearly linear bodies cost no digits. R is the mirror image of P.
 module poinsot_body_series
    use poinsot_core_kinds, only: dp
+   use poinsot_body_series_table
    implicit none(type, external)
    private
-   public :: max_degree, degree_bound, correction_series
+   public :: max_degree, first_tabulated, correction_series, degree_bound
 
-   integer, parameter :: max_degree = 13 !! highest power of h^2 that is tabulated
-
-   !> A truncated series in t^2: column n holds the n + 1 coefficients of its homogeneous part of
-   !> degree n, `c(i, n)` belonging to p^i r^(n-i).
-   type :: series
-      real(dp) :: c(0:max_degree, 0:max_degree) = 0.0_dp
-   end type series
+   integer, parameter :: max_degree = table_degree !! highest power of h^2 that is tabulated
+   integer, parameter :: first_tabulated = 5       !! lower ones: poinsot_body_series_start
+   integer, parameter :: block = 4                 !! rows of the table come in blocks of so many
 
 contains
 
-   !> P and R of one body: `p(i,j)` multiplies p^i r^j, where p and r already carry h^2.
-   !> Vilmart and Hairer (2006); recursion of mathematics section 3.
-   pure subroutine correction_series(a, p, r)
-      real(dp), intent(in) :: a(3)                      !! (I3-I2)/I1, (I3-I1)/I2, (I2-I1)/I3,
-                                                        !! sorted
-      real(dp), intent(out) :: p(0:max_degree, 0:max_degree)      !! coefficients of 1 + P
-      real(dp), intent(out) :: r(0:max_degree, 0:max_degree)      !! coefficients of 1 + R
-      type(series) :: f, g, k, q0, q1, q2, q3, rho, w
+   !> Degrees 5 and up of P and R of one body. Column n holds the part of degree n: `p(i, n)`
+   !> multiplies p^i r^(n-i), where p and r already carry h^2. Vilmart and Hairer (2006).
+   pure subroutine correction_series(a, degree, p, r)
+      real(dp), intent(in) :: a(3)        !! (I3-I2)/I1, (I3-I1)/I2, (I2-I1)/I3, sorted
+      integer, intent(in) :: degree       !! the highest wanted, at most max_degree
+      real(dp), intent(inout) :: p(0:max_degree, 0:max_degree) !! coefficients of P; lower degrees
+                                                               !! are not touched
+      real(dp), intent(inout) :: r(0:max_degree, 0:max_degree) !! coefficients of R
+      real(dp) :: b(0:max_degree), c(0:max_degree)
       integer :: n
-
-      f%c(0, 0) = 1
-      g%c(0, 0) = 1
-      q0%c(0, 0) = 1
-      do n = 0, max_degree
-         if (n > 0) then
-            call add(f, n, -a(1)/(2*n), product_part(k, g, n - 1), 0, 1)
-            call add(g, n, -a(3)/(2*n), product_part(k, f, n - 1), 1, 0)
-            call add(q0, n, -1.0_dp/(4*n), product_part(q1, f, n - 1), 1, 0)
-            call add(q0, n, -1.0_dp/(4*n), product_part(q3, g, n - 1), 0, 1)
-            if (n > 1) call add(q0, n, -1.0_dp/(4*n), product_part(q2, k, n - 2), 1, 1)
-         end if
-         call add(k, n, a(2)/(2*n + 1), product_part(f, g, n), 0, 0)
-         call add(q1, n, 0.5_dp/(2*n + 1), product_part(q0, f, n), 0, 0)
-         call add(q3, n, 0.5_dp/(2*n + 1), product_part(q0, g, n), 0, 0)
-         if (n > 0) then
-            call add(q1, n, 0.5_dp/(2*n + 1), product_part(q2, g, n - 1) - product_part(q3, k, n &
-               - 1), 0, 1)
-            call add(q3, n, 0.5_dp/(2*n + 1), product_part(q1, k, n - 1) - product_part(q2, f, n &
-               - 1), 1, 0)
-         end if
-         call add(q2, n, 0.5_dp/(2*n + 2), &
-                  product_part(q0, k, n) - product_part(q1, g, n) + product_part(q3, f, n), 0, 0)
-         call add(rho, n, 1.0_dp, product_part(q0, q0, n), 0, 0)
-         if (n > 0) call add(rho, n, -1.0_dp, product_part(q1, q1, n - 1), 1, 0)
-         if (n > 0) call add(rho, n, -1.0_dp, product_part(q3, q3, n - 1), 0, 1)
-         if (n > 1) call add(rho, n, 1.0_dp, product_part(q2, q2, n - 2), 1, 1)
+      b(0) = 1
+      c(0) = 1
+      do n = 1, max_degree
+         b(n) = b(n - 1)*(a(1)*a(2))
+         c(n) = c(n - 1)*(a(2)*a(3))
       end do
-
-      w = combination(q0, q1, q2, q3, -1.0_dp, [0, 1])
-      call table(quotient(times(rho, w), f), p)
-      w = combination(q0, q3, q1, q2, 1.0_dp, [1, 0])
-      call table(quotient(times(rho, w), g), r)
+      do n = first_tabulated, degree
+         select case (n)
+         case (5)
+            call part(n, even_5, odd_5, b, c, a(2), p(0, n), r(0, n))
+         case (6)
+            call part(n, even_6, odd_6, b, c, a(2), p(0, n), r(0, n))
+         case (7)
+            call part(n, even_7, odd_7, b, c, a(2), p(0, n), r(0, n))
+         case (8)
+            call part(n, even_8, odd_8, b, c, a(2), p(0, n), r(0, n))
+         case (9)
+            call part(n, even_9, odd_9, b, c, a(2), p(0, n), r(0, n))
+         case (10)
+            call part(n, even_10, odd_10, b, c, a(2), p(0, n), r(0, n))
+         case (11)
+            call part(n, even_11, odd_11, b, c, a(2), p(0, n), r(0, n))
+         case (12)
+            call part(n, even_12, odd_12, b, c, a(2), p(0, n), r(0, n))
+         case default
+            call part(n, even_13, odd_13, b, c, a(2), p(0, n), r(0, n))
+         end select
+      end do
    end subroutine correction_series
+
+   !> The part of degree n: P_i = E(b, c) + a2 O(b, c), R_(n-i) = E(c, b) - a2 O(c, b). Blocks of
+   !> rows are summed over the powers m in registers.
+   pure subroutine part(n, even, odd, b, c, a2, p, r)
+      integer, intent(in) :: n
+      real(dp), intent(in) :: even(*), odd(*), b(0:max_degree), c(0:max_degree), a2
+      real(dp), intent(inout) :: p(0:n), r(0:n)
+      real(dp), dimension(0:max_degree + block) :: ps, rs
+      real(dp), dimension(block) :: e, o, em, om
+      integer :: i, k, m, row, next
+      ps = 0
+      rs = 0
+      next = 0
+      do k = 0, n - 1
+         do row = k, n, block
+            e = 0
+            o = 0
+            em = 0
+            om = 0
+            do m = 0, n - row
+               !$omp simd
+               do i = 1, block
+                  e(i) = e(i) + even(next + i)*b(m)
+                  o(i) = o(i) + odd(next + i)*b(m)
+                  em(i) = em(i) + even(next + i)*c(m)
+                  om(i) = om(i) + odd(next + i)*c(m)
+               end do
+               next = next + block
+            end do
+            do i = 1, block
+               ps(row + i - 1) = ps(row + i - 1) + (e(i) + a2*o(i))*c(k)
+               rs(row + i - 1) = rs(row + i - 1) + (em(i) - a2*om(i))*b(k)
+            end do
+         end do
+      end do
+      do i = 0, n
+         p(i) = ps(i)
+         r(n - i) = rs(i)
+      end do
+   end subroutine part
 
    !> A bound of the part of degree n on p + r = 1, p, r >= 0: the largest coefficient of its
    !> Bernstein form.
    pure real(dp) function degree_bound(c, n)
-      real(dp), intent(in) :: c(0:max_degree, 0:max_degree) !! coefficients (i,j) of p^i r^j
-      integer, intent(in) :: n                              !! degree
+      real(dp), intent(in) :: c(0:) !! coefficients of p^i r^(n-i), i = 0 to n
+      integer, intent(in) :: n      !! degree
       real(dp) :: binomial
       integer :: i
       degree_bound = 0
       binomial = 1
       do i = 0, n
-         degree_bound = max(degree_bound, abs(c(i, n - i))/binomial)
+         degree_bound = max(degree_bound, abs(c(i))/binomial)
          binomial = binomial*(n - i)/(i + 1)
       end do
    end function degree_bound
-
-   !> The part of degree n of a product.
-   pure function product_part(x, y, n) result(part)
-      type(series), intent(in) :: x, y
-      integer, intent(in) :: n
-      real(dp) :: part(0:max_degree)
-      integer :: i, j, m
-      part = 0
-      do m = 0, n
-         do j = 0, n - m
-            do i = 0, m
-               part(i + j) = part(i + j) + x%c(i, m)*y%c(j, n - m)
-            end do
-         end do
-      end do
-   end function product_part
-
-   !> x_n += factor p^i r^j part, with part of degree n - i - j.
-   pure subroutine add(x, n, factor, part, i, j)
-      type(series), intent(inout) :: x
-      integer, intent(in) :: n, i, j
-      real(dp), intent(in) :: factor, part(0:max_degree)
-      x%c(i:n - j, n) = x%c(i:n - j, n) + factor*part(0:n - i - j)
-   end subroutine add
-
-   pure type(series) function times(x, y)
-      type(series), intent(in) :: x, y
-      integer :: n
-      do n = 0, max_degree
-         times%c(:, n) = product_part(x, y, n)
-      end do
-   end function times
-
-   !> x / y for a y that starts with 1.
-   pure type(series) function quotient(x, y)
-      type(series), intent(in) :: x, y
-      integer :: n
-      do n = 0, max_degree
-         quotient%c(:, n) = 0
-         quotient%c(:, n) = x%c(:, n) - product_part(quotient, y, n)
-      end do
-   end function quotient
-
-   !> 2 (a b + sign p^i r^j c d), one of i, j being 1.
-   pure type(series) function combination(a, b, c, d, sign, power)
-      type(series), intent(in) :: a, b, c, d
-      real(dp), intent(in) :: sign
-      integer, intent(in) :: power(2)
-      integer :: n
-      do n = 0, max_degree
-         combination%c(:, n) = 2*product_part(a, b, n)
-         if (n > 0) call add(combination, n, 2*sign, product_part(c, d, n - 1), power(1), power(2))
-      end do
-   end function combination
-
-   !> From powers of t^2 = h^2/4 to powers of h^2.
-   pure subroutine table(x, c)
-      type(series), intent(in) :: x
-      real(dp), intent(out) :: c(0:max_degree, 0:max_degree)
-      integer :: i, j
-      c = square_form(x)
-      do j = 0, max_degree
-         do i = 0, max_degree - j
-            c(i, j) = c(i, j)*0.25_dp**(i + j)
-         end do
-      end do
-   end subroutine table
-
-   !> Coefficients by powers of both variables.
-   pure function square_form(x) result(c)
-      type(series), intent(in) :: x
-      real(dp) :: c(0:max_degree, 0:max_degree)
-      integer :: i, n
-      c = 0
-      do n = 0, max_degree
-         do i = 0, n
-            c(i, n - i) = x%c(i, n)
-         end do
-      end do
-   end function square_form
 
 end module poinsot_body_series

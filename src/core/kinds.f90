@@ -3,7 +3,7 @@ module poinsot_core_kinds
    use, intrinsic :: iso_fortran_env, only: real32, real64, real128, real_kinds, int32, int64
    implicit none(type, external)
    private
-   public :: sp, dp, qp, i4, i8, lanes
+   public :: sp, dp, qp, i4, i8, lanes, group
 
    integer, parameter :: sp = real32  !! single precision: hosts that store it, never our arithmetic
    integer, parameter :: dp = real64  !! working precision
@@ -17,4 +17,7 @@ module poinsot_core_kinds
    !> a body's bits do not depend on its place. Four 512-bit vectors in flight; 32 (y, q) pairs are
    !> 1.8 kB of the first-level cache.
    integer, parameter :: lanes = 32
+   !> A kernel may leave out whole groups of lanes at the end of a block: few bodies cost less, with
+   !> the same bits.
+   integer, parameter :: group = 8
 end module poinsot_core_kinds

@@ -2,15 +2,16 @@
 !> functions where substeps would be many. Which of them is a function of the body's state, class
 !> and h alone.
 module poinsot_free_exact
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_status, only: poinsot_e_step
-   use poinsot_core_lanes, only: largest
    use poinsot_body_class, only: body_class, series_levels
-   use poinsot_free_exact_step, only: step_sizes, exact_step_increment
+   use poinsot_free_accumulate, only: add_plain
+   use poinsot_free_exact_step, only: step_rotation, find_rotation, rotate_state, &
+      rotation_increments, step_sizes
    use poinsot_free_jacobi_solution, only: jacobi_increment
    implicit none(type, external)
    private
-   public :: exact_increment
+   public :: exact_increment, exact_step, count_substeps, most_substeps
 
    integer, parameter :: most_substeps = 4 !! beyond, Jacobi's functions are cheaper, and as exact
    real(dp), parameter :: longest_phase = 1e15_dp !! h |omega| beyond which no digit of the angle is
@@ -20,53 +21,114 @@ contains
 
    !> Increments of y and q over h, exact to rounding, for every body, any h. Mathematics, section 3
    !> (and 4 beyond 4 substeps). POINSOT_E_STEP for h |omega| > 1e15.
-   pure subroutine exact_increment(class, terms, h, y, q, dy, dq, status)
+   pure subroutine exact_increment(nvec, class, terms, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec                          !! groups of lanes to work on
       type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), p(lanes), r(lanes), above
+      type(step_rotation) :: rotation
+      real(dp) :: parts(lanes)
+      logical :: too_long
 
-      call step_sizes(class, h, y, w, p, r, above)
-      if (above <= class%reach(series_levels)) then
-         call exact_step_increment(class, w, p, r, above, y, q, dy, dq)
+      call find_rotation(nvec, class, h, y, rotation, too_long)
+      if (.not. too_long) then
+         call rotation_increments(nvec, class, rotation, y, q, dy, dq)
       else
-         call long_increment(class, terms, p + r, h, y, q, dy, dq, status)
+         call substeps(nvec, class, h, y, parts, status)
+         call long_increment(nvec, class, terms, parts, h, y, q, dy, dq, status)
       end if
    end subroutine exact_increment
 
-   !> The same where at least one lane needs more than one pass.
-   pure subroutine long_increment(class, terms, sizes, h, y, q, dy, dq, status)
+   !> The same with plain sums, from state to state.
+   pure subroutine exact_step(nvec, class, terms, h, y, q, status)
+      integer, intent(in) :: nvec
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: terms                         !! not used
+      real(dp), intent(in) :: h(lanes)
+      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      type(step_rotation) :: rotation
+      real(dp), dimension(lanes) :: parts, short, long
+      real(dp) :: dy(lanes, 3), dq(lanes, 4)
+      logical :: too_long
+      integer :: l
+
+      call find_rotation(nvec, class, h, y, rotation, too_long)
+      if (.not. too_long) then
+         call rotate_state(nvec, class, rotation, h, y, q)
+         return
+      end if
+      call substeps(nvec, class, h, y, parts, status)
+      do l = 1, group*nvec
+         short(l) = merge(h(l), 0.0_dp, nint(parts(l)) == 1)
+         long(l) = merge(h(l), 0.0_dp, parts(l) > 1.5_dp)
+         if (.not. parts(l) > 1.5_dp) parts(l) = 0
+      end do
+      call find_rotation(nvec, class, short, y, rotation, too_long)
+      call rotate_state(nvec, class, rotation, short, y, q)
+      call long_increment(nvec, class, terms, parts, long, y, q, dy, dq, status)
+      call add_plain(nvec, long, dy, dq, y, q)
+   end subroutine exact_step
+
+   !> How many substeps each lane takes; more than most_substeps: Jacobi's functions; 0 and a status
+   !> where h is too long for any way.
+   pure subroutine substeps(nvec, class, h, y, parts, status)
+      integer, intent(in) :: nvec
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h(lanes), y(lanes, 3)
+      real(dp), intent(out) :: parts(lanes)
+      integer, intent(inout) :: status(lanes)
+      real(dp) :: w(lanes, 3), p(lanes), r(lanes)
+      integer :: l
+      call step_sizes(nvec, class, h, y, w, p, r)
+      do l = 1, group*nvec
+         parts(l) = count_substeps(p(l) + r(l), class%reach(series_levels))
+         if (parts(l) < 1) status(l) = poinsot_e_step
+      end do
+   end subroutine substeps
+
+   !> Substeps for (h |omega|)^2 = s where a pass reaches to `reach`; 0 if no digit would be left.
+   elemental real(dp) function count_substeps(s, reach) result(parts)
+      real(dp), intent(in) :: s, reach
+      parts = 1
+      if (s > reach) parts = aint(sqrt(s/reach)*(1 + 8*epsilon(1.0_dp))) + 1
+      if (s > longest_phase**2) parts = 0
+   end function count_substeps
+
+   !> Increments of lanes in one or more substeps, or by Jacobi's functions; parts = 0: none.
+   pure subroutine long_increment(nvec, class, terms, substeps_of, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms
-      real(dp), intent(in) :: sizes(lanes), h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(in) :: substeps_of(lanes), h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: parts(lanes), step(lanes), above, w(lanes, 3), p(lanes), r(lanes)
-      real(dp) :: ddy(lanes, 3), ddq(lanes, 4)
-      integer :: k
+      real(dp), dimension(lanes) :: parts, step
+      real(dp) :: ys(lanes, 3), qs(lanes, 4), ddy(lanes, 3), ddq(lanes, 4)
+      type(step_rotation) :: rotation
+      logical :: too_long
+      integer :: n, k
 
-      parts = 1
-      where (sizes > class%reach(series_levels)) &
-         parts = aint(sqrt(sizes/class%reach(series_levels))*(1 + 8*epsilon(1.0_dp))) + 1
-      where (sizes > longest_phase**2)
-         status = poinsot_e_step
-         parts = 0
-      end where
-      dy = 0
-      dq = 0
-      if (largest(parts) > most_substeps) then
-         step = merge(h, 0.0_dp, parts > most_substeps)
-         call jacobi_increment(class, terms, step, y, q, dy, dq, status)
-         where (parts > most_substeps) parts = 0
+      n = group*nvec
+      parts(:n) = substeps_of(:n)
+      dy(:n, :) = 0
+      dq(:n, :) = 0
+      if (any(parts(:n) > most_substeps)) then
+         step(:n) = merge(h(:n), 0.0_dp, parts(:n) > most_substeps)
+         call jacobi_increment(nvec, class, terms, step, y, q, dy, dq, status)
+         where (parts(:n) > most_substeps) parts(:n) = 0
       end if
-      do k = 1, nint(largest(parts))
-         step = merge(h, 0.0_dp, k <= parts)/max(parts, 1.0_dp)
-         call step_sizes(class, step, y + dy, w, p, r, above)
-         call exact_step_increment(class, w, p, r, above, y + dy, q + dq, ddy, ddq)
-         dy = dy + ddy
-         dq = dq + ddq
+      do k = 1, nint(maxval(parts(:n)))
+         step(:n) = merge(h(:n), 0.0_dp, k <= parts(:n))/max(parts(:n), 1.0_dp)
+         ys(:n, :) = y(:n, :) + dy(:n, :)
+         qs(:n, :) = q(:n, :) + dq(:n, :)
+         call find_rotation(nvec, class, step, ys, rotation, too_long)
+         if (too_long) exit
+         call rotation_increments(nvec, class, rotation, ys, qs, ddy, ddq)
+         dy(:n, :) = dy(:n, :) + ddy(:n, :)
+         dq(:n, :) = dq(:n, :) + ddq(:n, :)
       end do
    end subroutine long_increment
 

@@ -7,7 +7,7 @@
 !> - theta) R, R) (mathematics, section 2). Differences of modified moments are formed as sums of
 !> small terms, so that nearly linear, nearly symmetric and flat bodies lose no digits.
 module poinsot_free_moser_veselov
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_lanes, only: largest, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
    use poinsot_body_class, only: body_class
@@ -74,7 +74,7 @@ contains
          p(l) = merge(p(l), 0.0_dp, live(l) > 0)
          r(l) = merge(r(l), 0.0_dp, live(l) > 0)
       end do
-      call correction(terms, class, p, r, ps, rs)
+      call correction(lanes/group, terms, class, p, r, ps, rs)
       call coefficients(class, live, w, ps, rs, z, kappa, slip)
       call solve(stretch, p + r, z, kappa, e, found)
       if (smallest(live) < 1) where (live < 1) status = poinsot_e_step

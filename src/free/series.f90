@@ -4,51 +4,66 @@
 !> Written out, one loop a degree, because only straight code keeps a bivariate Horner scheme in
 !> vector registers.
 module poinsot_free_series
-   use poinsot_core_kinds, only: dp, lanes
-   use poinsot_body_class, only: body_class
-   use poinsot_body_series, only: max_degree
+   use poinsot_core_kinds, only: dp, group, lanes
+   use poinsot_body_class, only: body_class, long_series, highest_degree
+   use poinsot_body_series_start, only: start_degree
    implicit none(type, external)
    private
-   public :: correction, highest_degree
-
-   integer, parameter :: highest_degree = 11 !! of P and R that a method can ask for: order 24
+   public :: correction
 
 contains
 
    !> 1 + P(p, r) and 1 + R(p, r) to a given degree in h^2, lane by lane. Mathematics, sections 2
    !> and 3.
-   pure subroutine correction(degree, class, p, r, ps, rs)
+   pure subroutine correction(nvec, degree, class, p, r, ps, rs)
+      integer, intent(in) :: nvec                    !! groups of lanes to work on
       integer, intent(in) :: degree                  !! 0 (none) to 11
       type(body_class), intent(in) :: class          !! of these bodies
       real(dp), intent(in) :: p(lanes), r(lanes)     !! h^2 p2 and h^2 r2, constants of the motion
       real(dp), intent(out) :: ps(lanes), rs(lanes)  !! 1 + P and 1 + R
-      call polynomial(degree, class%p, p, r, ps)
-      call polynomial(degree, class%r, p, r, rs)
+      real(dp) :: c(0:highest_degree, 0:highest_degree, 2)
+      integer :: l
+      if (degree <= start_degree) then
+         call polynomial(nvec, degree, start_degree, class%half_p, p, r, ps)
+         call polynomial(nvec, degree, start_degree, class%half_r, p, r, rs)
+         !GCC$ ivdep
+         do l = 1, group*nvec
+            ps(l) = 2*ps(l)
+            rs(l) = 2*rs(l)
+         end do
+      else if (allocated(class%higher)) then
+         call polynomial(nvec, degree, highest_degree, class%higher(:, :, 1), p, r, ps)
+         call polynomial(nvec, degree, highest_degree, class%higher(:, :, 2), p, r, rs)
+      else
+         call long_series(class, degree, c)
+         call polynomial(nvec, degree, highest_degree, c(:, :, 1), p, r, ps)
+         call polynomial(nvec, degree, highest_degree, c(:, :, 2), p, r, rs)
+      end if
    end subroutine correction
 
    !> One bivariate polynomial: rows are Horner schemes in x, nested in powers of y.
-   pure subroutine polynomial(degree, c, x, y, f)
-      integer, intent(in) :: degree
-      real(dp), intent(in) :: c(0:max_degree, 0:max_degree), x(lanes), y(lanes)
+   pure subroutine polynomial(nvec, degree, most, c, x, y, f)
+      integer, intent(in) :: nvec, degree, most
+      real(dp), intent(in) :: c(0:most, 0:most), x(lanes), y(lanes)
       real(dp), intent(out) :: f(lanes)
       integer :: l
       select case (degree)
       case (1)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 1)
             f(l) = f(l)*y(l) + h1(c(0, 0), x(l))
          end do
       case (2)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 2)
             f(l) = f(l)*y(l) + h1(c(0, 1), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 0), x(l))
          end do
       case (3)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 3)
             f(l) = f(l)*y(l) + h1(c(0, 2), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 1), x(l))
@@ -56,7 +71,7 @@ contains
          end do
       case (4)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 4)
             f(l) = f(l)*y(l) + h1(c(0, 3), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 2), x(l))
@@ -65,7 +80,7 @@ contains
          end do
       case (5)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 5)
             f(l) = f(l)*y(l) + h1(c(0, 4), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 3), x(l))
@@ -75,7 +90,7 @@ contains
          end do
       case (6)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 6)
             f(l) = f(l)*y(l) + h1(c(0, 5), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 4), x(l))
@@ -86,7 +101,7 @@ contains
          end do
       case (7)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 7)
             f(l) = f(l)*y(l) + h1(c(0, 6), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 5), x(l))
@@ -98,7 +113,7 @@ contains
          end do
       case (8)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 8)
             f(l) = f(l)*y(l) + h1(c(0, 7), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 6), x(l))
@@ -111,7 +126,7 @@ contains
          end do
       case (9)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 9)
             f(l) = f(l)*y(l) + h1(c(0, 8), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 7), x(l))
@@ -125,7 +140,7 @@ contains
          end do
       case (10)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 10)
             f(l) = f(l)*y(l) + h1(c(0, 9), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 8), x(l))
@@ -140,7 +155,7 @@ contains
          end do
       case (11)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, group*nvec
             f(l) = c(0, 11)
             f(l) = f(l)*y(l) + h1(c(0, 10), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 9), x(l))
@@ -155,7 +170,7 @@ contains
             f(l) = f(l)*y(l) + h11(c(0, 0), x(l))
          end do
       case default
-         f = 1
+         f(:group*nvec) = 0.5_dp
       end select
    end subroutine polynomial
 

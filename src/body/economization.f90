@@ -1,4 +1,5 @@
-!> The series of the exact step cut short at less cost than leaving terms out.
+!> The series of the exact step economized: cut short at less cost than leaving terms out (Lanczos'
+!> telescoping).
 !>
 !> On p, r >= 0, p + r <= s a homogeneous part F of degree n is nearly a polynomial of lower degree.
 !> With p = x^2, r = y^2 the triangle is a disc, and (x cos(t) + y sin(t))^(2n) is approximated
@@ -9,19 +10,19 @@
 !>
 !> The degrees kept begin at 5, not at 0: the shorter series of the small steps stays as it is, and
 !> the error vanishes like s^5 for them.
-module poinsot_body_economy
+module poinsot_body_economization
    use poinsot_core_kinds, only: dp
    use poinsot_body_series, only: max_degree
    implicit none(type, external)
    private
-   public :: first_kept, last_kept, economised, economy_bound
+   public :: first_kept, last_kept, economized, economization_bound
 
    integer, parameter :: first_kept = 5 !! degrees kept: this
    integer, parameter :: last_kept = 7  !! to this
 
    !> b_k of tau^n on [0, 1], n = 8 to max_degree, telescoped by Jacobi's polynomials of parameters
    !> (-1/2, 21/2): near to the best for an error that is multiplied by sqrt(tau).
-   real(dp), parameter :: share(first_kept:last_kept, last_kept + 1:max_degree) = reshape([ &
+   real(dp), parameter :: replacement(first_kept:last_kept, last_kept + 1:max_degree) = reshape([ &
       0.57756696428571429_dp, -2.109375_dp, 2.53125_dp, &
       1.4778919380252101_dp, -4.7977941176470588_dp, 4.3180147058823529_dp, &
       2.545258337710084_dp, -7.7464384191176471_dp, 6.1971507352941176_dp, &
@@ -37,31 +38,27 @@ contains
 
    !> The kept degrees of a series on p + r <= s, with what they take over from the higher ones.
    !> `kept(m, j)` multiplies p^(5-j+m) r^j for j <= 5; the last column belongs to r^6, p r^6, r^7.
-   pure function economised(c, s) result(kept)
-      real(dp), intent(in) :: c(0:max_degree, 0:max_degree) !! coefficients (i,j) of p^i r^j
+   pure function economized(c, s) result(kept)
+      real(dp), intent(in) :: c(0:max_degree, 0:max_degree) !! coefficients (i, n) of p^i r^(n-i)
       real(dp), intent(in) :: s                             !! largest p + r
       real(dp) :: kept(0:2, 0:6)
       real(dp) :: part(0:max_degree), sums(0:last_kept, first_kept:last_kept)
-      integer :: i, j, k, n
+      integer :: j, k, n
       do k = first_kept, last_kept
-         do i = 0, k
-            sums(i, k) = c(i, k - i)
-         end do
+         sums(0:k, k) = c(0:k, k)
       end do
       do n = last_kept + 1, max_degree
-         do i = 0, n
-            part(i) = c(i, n - i)
-         end do
+         part(0:n) = c(0:n, n)
          do k = n - 1, first_kept, -1
             call lower(part, k + 1, s)
-            if (k <= last_kept) sums(0:k, k) = sums(0:k, k) + share(k, n)*part(0:k)
+            if (k <= last_kept) sums(0:k, k) = sums(0:k, k) + replacement(k, n)*part(0:k)
          end do
       end do
       do j = 0, 5
-         kept(:, j) = [(sums(5 - j + i, 5 + i), i=0, 2)]
+         kept(:, j) = [sums(5 - j, 5), sums(6 - j, 6), sums(7 - j, 7)]
       end do
       kept(:, 6) = [sums(0, 6), sums(1, 7), sums(0, 7)]
-   end function economised
+   end function economized
 
    !> s/(2n (2n - 1)) times the Laplacian of a form of degree n in p = x^2 and r = y^2.
    pure subroutine lower(part, n, s)
@@ -77,16 +74,11 @@ contains
    end subroutine lower
 
    !> A bound of the error that the part of degree n leaves on p + r = 1: not more than
-   !> economy_bound s^n on p + r <= s.
-   pure real(dp) function economy_bound(c, n)
-      real(dp), intent(in) :: c(0:max_degree, 0:max_degree)
-      integer, intent(in) :: n                              !! degree, above last_kept
-      integer :: i
-      economy_bound = 0
-      do i = 0, n
-         economy_bound = economy_bound + abs(c(i, n - i))
-      end do
-      economy_bound = error(n)*economy_bound
-   end function economy_bound
+   !> economization_bound s^n on p + r <= s.
+   pure real(dp) function economization_bound(c, n)
+      real(dp), intent(in) :: c(0:) !! coefficients of p^i r^(n-i), i = 0 to n
+      integer, intent(in) :: n      !! degree, above last_kept
+      economization_bound = error(n)*sum(abs(c(0:n)))
+   end function economization_bound
 
-end module poinsot_body_economy
+end module poinsot_body_economization
