@@ -7,9 +7,12 @@ module test_body_series
    use poinsot_core_kinds, only: dp, qp
    use poinsot_core_error, only: poinsot_error
    use poinsot_body_class, only: body_class, make_class, series_levels, longest_step
-   use poinsot_body_economy, only: first_kept, last_kept, economy_bound
-   use poinsot_body_series, only: max_degree
-   use poinsot_body_universal, only: sine_squared, high_sine, sine_error, economy_range
+   use poinsot_body_economization, only: first_kept, last_kept, economization_bound
+   use poinsot_body_series, only: max_degree, first_tabulated, correction_series
+   use poinsot_body_series_start, only: start_degree, axis_series
+   use poinsot_body_sine_series, only: short_sine, short_product, long_sine, half_cosine, &
+      half_factor, short_range, short_step, long_range, short_sine_error, short_product_error, &
+      long_sine_error
    implicit none(type, external)
    private
    public :: collect_body_series
@@ -22,27 +25,62 @@ contains
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
       testsuite = [ &
          new_unittest("series-of-sn", test_sine), &
-         new_unittest("series-economised", test_economy), &
+         new_unittest("series-economized", test_economy), &
          new_unittest("series-reach", test_reach)]
    end subroutine collect_body_series
 
-   !> T by its table, and by the two bands of the exact step.
+   !> T, W = S C D and the half angle by their polynomials.
    subroutine test_sine(error)
       type(error_type), allocatable, intent(out) :: error
-      real(qp) :: x, z, exact, full
+      real(qp) :: x, z, exact, v, half
       integer :: i, k
       do k = 1, steps
          do i = 0, steps
-            x = economy_range*real(k*i, qp)/steps**2
-            z = economy_range*real(k, qp)/steps - x
+            x = short_range*real(k*i, qp)/steps**2
+            z = short_range*real(k, qp)/steps - x
             exact = sine_square(x, z)
-            full = table_sum(max_degree, x, z)
-            call within(error, real(full - exact, dp), 5e-18_dp, "T by its table")
-            full = table_sum(4, x, z) + high_sum(x + z, x*z)
-            call within(error, real(full - exact, dp), sine_error + 5e-18_dp, "T by two bands")
+            call within(error, real(short_t(x + z, x*z) - exact, dp), short_sine_error, "short T")
+            exact = sqrt(exact*(1 - x*exact)*(1 - z*exact))
+            call within(error, real(short_w(x + z, x*z) - exact, dp), short_product_error, &
+               "short W")
+            x = long_range*real(k*i, qp)/steps**2
+            z = long_range*real(k, qp)/steps - x
+            exact = sine_square(x, z)
+            call within(error, real(long_t(x + z, x*z) - exact, dp), long_sine_error, "long T")
          end do
+         v = short_step*real(k, qp)/steps
+         half = sqrt((1 + sqrt(1 - v))/2)
+         call within(error, real(v*power_sum(half_cosine, v) - (half - 1), dp), 8e-19_dp, "cosine")
+         call within(error, real(power_sum(half_factor, v) - 1/(2*half), dp), 6e-17_dp, "factor")
       end do
    end subroutine test_sine
+
+   pure real(qp) function power_sum(c, v)
+      real(dp), intent(in) :: c(0:)
+      real(qp), intent(in) :: v
+      integer :: i
+      power_sum = 0
+      do i = ubound(c, 1), 0, -1
+         power_sum = power_sum*v + c(i)
+      end do
+   end function power_sum
+
+   pure real(qp) function short_t(e, f)
+      real(qp), intent(in) :: e, f
+      short_t = power_sum(short_sine(1:4), e) + f*power_sum(short_sine(5:6), e) + short_sine(7)*f**2
+   end function short_t
+
+   pure real(qp) function short_w(e, f)
+      real(qp), intent(in) :: e, f
+      short_w = power_sum(short_product(1:5), e) + f*power_sum(short_product(6:8), e) &
+                + short_product(9)*f**2
+   end function short_w
+
+   pure real(qp) function long_t(e, f)
+      real(qp), intent(in) :: e, f
+      long_t = power_sum(long_sine(1:8), e) + f*power_sum(long_sine(9:14), e) &
+               + f**2*power_sum(long_sine(15:18), e) + f**3*power_sum(long_sine(19:20), e)
+   end function long_t
 
    !> S^2 from the recursion of mathematics section 3.
    pure real(qp) function sine_square(x, z)
@@ -60,45 +98,24 @@ contains
       sine_square = sum(s)**2
    end function sine_square
 
-   pure real(qp) function table_sum(degree, x, z)
-      integer, intent(in) :: degree
-      real(qp), intent(in) :: x, z
-      integer :: i, j
-      table_sum = 0
-      do j = degree/2, 0, -1
-         do i = degree - 2*j, 0, -1
-            table_sum = table_sum + sine_squared(i, j)*(x + z)**i*(x*z)**j
-         end do
-      end do
-   end function table_sum
-
-   pure real(qp) function high_sum(e, f)
-      real(qp), intent(in) :: e, f
-      integer :: m, j
-      high_sum = 0
-      do j = 0, 3
-         do m = 0, 2
-            if (5 - 2*j + m >= 0) high_sum = high_sum + high_sine(m, j)*e**(5 - 2*j + m)*f**j
-         end do
-      end do
-   end function high_sum
-
-   !> What the kept degrees leave of degrees 5 to 13 of P and R stays below economy_bound, and so
-   !> does what is promised of an attitude.
+   !> What the kept degrees leave of degrees 5 to 13 of P and R stays below economization_bound, and
+   !> so does what is promised of an attitude.
    subroutine test_economy(error)
       type(error_type), allocatable, intent(out) :: error
       type(random_stream) :: stream
       type(body_class) :: class
       type(poinsot_error) :: refusal
       real(dp) :: moments(3)
+      real(dp), dimension(0:max_degree, 0:max_degree) :: p, r
       integer :: k
       stream = start_stream(1973)
       do k = 1, 60
          moments = some_body(stream, k)
          call make_class(moments, class, refusal)
          call accepted(error, refusal)
-         call judge(error, class%p, class%high_p, class%reach(series_levels))
-         call judge(error, class%r, class%high_r, class%reach(series_levels))
+         call correction_series(class%a, max_degree, p, r)
+         call judge(error, p, class%high_p, class%reach(series_levels))
+         call judge(error, r, class%high_r, class%reach(series_levels))
       end do
    end subroutine test_economy
 
@@ -130,18 +147,18 @@ contains
       integer :: i, k, n
       bound = 0
       do n = last_kept + 1, max_degree
-         bound = bound + economy_bound(full, n)*s**n
+         bound = bound + economization_bound(full(:, n), n)*s**n
       end do
       call expect(error, sqrt(s)/2*bound <= epsilon(s)/4, "a quarter of a rounding")
       do k = 1, steps
          do i = 0, steps
             p = s*real(k*i, dp)/steps**2
             r = s*real(k, dp)/steps - p
-            off = kept_sum(kept, p, r)
+            off = 2*kept_sum(kept, p, r)
             do n = first_kept, max_degree
                off = off - form(full, n, p, r)
             end do
-            call within(error, off, bound + 1e-22_dp, "economised")
+            call within(error, off, bound + 1e-22_dp, "economized")
          end do
       end do
    end subroutine judge
@@ -152,7 +169,7 @@ contains
       integer :: i
       form = 0
       do i = 0, n
-         form = form + c(i, n - i)*p**i*r**(n - i)
+         form = form + c(i, n)*p**i*r**(n - i)
       end do
    end function form
 

@@ -18,7 +18,8 @@ module poinsot_body_class
       short_product_error, long_sine_error
    implicit none(type, external)
    private
-   public :: body_class, make_class, extend_class, long_series, series_levels, longest_step, highest_degree
+   public :: body_class, make_class, extend_class, long_series
+   public :: series_levels, longest_step, highest_degree
 
    integer, parameter :: series_levels = 2              !! lengths of series the exact step offers
    integer, parameter :: highest_degree = 11    !! of P and R that a method can ask for: order 24
@@ -197,9 +198,9 @@ contains
    !>
    !> They are bounded degree by degree, on p + r <= s, the bound of (h |omega|)^2 over the whole
    !> motion (reached where omega2 = 0): of the first level the Bernstein coefficients of the parts
-   !> left out, of the second economization_bound. With z = max(a1 a2, a2 a3)/4, so that X + Z <= z s,
-   !> an attitude error is at most sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8); of the second level W
-   !> comes from T, dW <= 0.6 dT.
+   !> left out, of the second economization_bound. With z = max(a1 a2, a2 a3)/4, so that X + Z <= z
+   !> s, an attitude error is at most sqrt(s) (dP/2 + z s dT/2 + sqrt(s) dW/8); of the second level
+   !> W comes from T, dW <= 0.6 dT.
    pure function reach_of(class, p, r) result(reach)
       type(body_class), intent(in) :: class
       real(dp), intent(in), dimension(0:, 0:) :: p, r

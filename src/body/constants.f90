@@ -1,5 +1,6 @@
-!> What the exact step needs to know of the moments of inertia, for a block of bodies: the one source
-!> of these constants, for bodies that all differ and for a body class, which is a block of one.
+!> What the exact step needs to know of the moments of inertia, for a block of bodies: the one
+!> source of these constants, for bodies that all differ and for a body class, which is a block of
+!> one.
 !>
 !> Bodies are seen through axes sorted by moment, I1 <= I2 <= I3; an odd order would be a mirror
 !> image, so it comes with `parity = -1`, the sign of momentum and of the vector part of a rotation.

@@ -3,8 +3,8 @@
 !> homogeneous polynomial in (p, r).
 !>
 !> Their coefficients are polynomials in b = a1 a2, c = a2 a3 and a2, tabulated once for all bodies
-!> by tools/series_table.py; no difference of moments is divided by, so that nearly symmetric, nearly
-!> spherical and nearly linear bodies cost no digits. R is the mirror image of P.
+!> by tools/series_table.py; no difference of moments is divided by, so that nearly symmetric,
+!> nearly spherical and nearly linear bodies cost no digits. R is the mirror image of P.
 module poinsot_body_series
    use poinsot_core_kinds, only: dp
    use poinsot_body_series_table

@@ -1,11 +1,13 @@
 !> sn^2 of half a step without a modulus, for the explicit exact step.
 !>
 !> With S, C, D of mathematics section 3, T = S^2 is symmetric in X and Z, so a series in e = X + Z
-!> and f = X Z: T = sum t(i,j) e^i f^j, degree i + 2j. Because C^2 = 1 - X T and D^2 = 1 - Z T nothing
-!> else is needed; S C D = W = sum (i + 2j + 1) t(i,j) e^i f^j, or the root of T (1 - X T)(1 - Z T).
+!> and f = X Z: T = sum t(i,j) e^i f^j, degree i + 2j. Because C^2 = 1 - X T and D^2 = 1 - Z T
+!> nothing else is needed; S C D = W = sum (i + 2j + 1) t(i,j) e^i f^j, or the root of T (1 - X T)(1
+!> - Z T).
 !>
 !> The polynomials below are least-squares fits of low degree to T and W (40 digits, Chebyshev nodes
-!> in e, f = phi e^2/4 with nodes in phi), whose value at 0 is exact; so are those of the half angle.
+!> in e, f = phi e^2/4 with nodes in phi), whose value at 0 is exact; so are those of the half
+!> angle.
 module poinsot_body_sine_series
    use poinsot_core_kinds, only: dp
    implicit none(type, external)

@@ -3,7 +3,7 @@ module poinsot_core_kinds
    use, intrinsic :: iso_fortran_env, only: real32, real64, real128, real_kinds, int32, int64
    implicit none(type, external)
    private
-   public :: sp, dp, qp, i4, i8, lanes, group
+   public :: sp, dp, qp, i4, i8, lanes, group, groups
 
    integer, parameter :: sp = real32  !! single precision: hosts that store it, never our arithmetic
    integer, parameter :: dp = real64  !! working precision
@@ -20,4 +20,5 @@ module poinsot_core_kinds
    !> A kernel may leave out whole groups of lanes at the end of a block: few bodies cost less, with
    !> the same bits.
    integer, parameter :: group = 8
+   integer, parameter :: groups = lanes/group
 end module poinsot_core_kinds

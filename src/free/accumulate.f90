@@ -5,7 +5,7 @@
 !> increment itself implies, and the norm of q. All are computed from increments and from the
 !> present state, never from stored invariants. Vilmart (2008), section 3.
 module poinsot_free_accumulate
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
@@ -14,13 +14,15 @@ module poinsot_free_accumulate
 contains
 
    !> y += dy, q += dq, with |q| drawn to 1. A lane with h = 0 keeps its bits.
-   pure subroutine add_plain(h, dy, dq, y, q)
+   pure subroutine add_plain(h, dy, dq, y, q, nvec)
+      integer, intent(in), optional :: nvec !! groups of lanes to work on, instead of all
       real(dp), intent(in) :: h(lanes), dy(lanes, 3), dq(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
       real(dp) :: excess
-      integer :: l
+      integer :: l, n
+      n = working(nvec)
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, n
          excess = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0) &
                   *((q(l, 1)**2 + q(l, 2)**2) + (q(l, 3)**2 + q(l, 4)**2) - 1)
          y(l, 1) = y(l, 1) + dy(l, 1)
@@ -34,44 +36,58 @@ contains
    end subroutine add_plain
 
    !> The same with compensated sums; carry = (3 of y, 4 of q), what rounding has taken so far.
-   pure subroutine add_compensated(h, dy, dq, y, q, carry)
+   pure subroutine add_compensated(h, dy, dq, y, q, carry, nvec)
+      integer, intent(in), optional :: nvec
       real(dp), intent(in) :: h(lanes), dy(lanes, 3), dq(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4), carry(lanes, 7)
       real(dp) :: excess(lanes)
-      integer :: l, j
+      integer :: l, j, n
+      n = working(nvec)
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, n
          excess(l) = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0) &
                      *((q(l, 1)**2 + q(l, 2)**2) + (q(l, 3)**2 + q(l, 4)**2) - 1)
       end do
-      call add_kick_compensated(dy, y, carry)
+      call add_kick_compensated(dy, y, carry, nvec)
       do j = 1, 4
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, n
             call two_sum(q(l, j), carry(l, 3 + j), dq(l, j) - excess(l)*q(l, j))
          end do
       end do
    end subroutine add_compensated
 
    !> y += dy: the sum of a kick.
-   pure subroutine add_kick(dy, y)
+   pure subroutine add_kick(dy, y, nvec)
+      integer, intent(in), optional :: nvec
       real(dp), intent(in) :: dy(lanes, 3)
       real(dp), intent(inout) :: y(lanes, 3)
-      y = y + dy
+      integer :: n
+      n = working(nvec)
+      y(:n, :) = y(:n, :) + dy(:n, :)
    end subroutine add_kick
 
    !> y += dy with the first three columns of the carry.
-   pure subroutine add_kick_compensated(dy, y, carry)
+   pure subroutine add_kick_compensated(dy, y, carry, nvec)
+      integer, intent(in), optional :: nvec
       real(dp), intent(in) :: dy(lanes, 3)
       real(dp), intent(inout) :: y(lanes, 3), carry(lanes, 7)
-      integer :: l, j
+      integer :: l, j, n
+      n = working(nvec)
       do j = 1, 3
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, n
             call two_sum(y(l, j), carry(l, j), dy(l, j))
          end do
       end do
    end subroutine add_kick_compensated
+
+   !> Lanes to work on.
+   pure integer function working(nvec)
+      integer, intent(in), optional :: nvec
+      working = lanes
+      if (present(nvec)) working = group*nvec
+   end function working
 
    !> x + carry + d without loss: Knuth's sum, no test of sizes.
    pure subroutine two_sum(x, carry, d)
@@ -91,15 +107,17 @@ contains
    !> The second only for a method that conserves energy, and not where G is small: nothing can be
    !> gained there. Both go into the carry: in dy they would be rounded again. dE is taken about the
    !> middle axis, dE - dC/I2: one term less that rounds.
-   pure subroutine conserve(class, energy, h, y, dy, carry)
+   pure subroutine conserve(class, energy, h, y, dy, carry, nvec)
+      integer, intent(in), optional :: nvec
       type(body_class), intent(in) :: class  !! of these bodies
       logical, intent(in) :: energy          !! does the method conserve energy?
       real(dp), intent(in) :: h(lanes), y(lanes, 3), dy(lanes, 3)
       real(dp), intent(inout) :: carry(lanes, 7)
       real(dp) :: i1, i2, i3, d13, d23, w1, w2, w3, y1, y2, y3, d1, d2, d3, m1, m2, m3, r1, r2, r3
       real(dp) :: e, c, yy, yw, ww, gg, f, scale, biggest, alive, wanted
-      integer :: l, j1, j2, j3
+      integer :: l, j1, j2, j3, n
       real(dp), parameter :: small = 1e-4_dp
+      n = working(nvec)
       j1 = class%order(1)
       j3 = class%order(2)
       j2 = class%order(3)
@@ -110,7 +128,7 @@ contains
       d23 = i2 - i3
       wanted = merge(1.0_dp, 0.0_dp, energy)
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, n
          y1 = y(l, j1) + dy(l, j1)
          y2 = y(l, j2) + dy(l, j2)
          y3 = y(l, j3) + dy(l, j3)

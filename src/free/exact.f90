@@ -3,15 +3,14 @@
 !> and h alone.
 module poinsot_free_exact
    use poinsot_core_kinds, only: dp, group, lanes
-   use poinsot_core_status, only: poinsot_e_step
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_step
    use poinsot_body_class, only: body_class, series_levels
    use poinsot_free_accumulate, only: add_plain
-   use poinsot_free_exact_step, only: step_rotation, find_rotation, rotate_state, &
-      rotation_increments, step_sizes
+   use poinsot_free_exact_step, only: single_pass, single_pass_increments, step_sizes
    use poinsot_free_jacobi_solution, only: jacobi_increment
    implicit none(type, external)
    private
-   public :: exact_increment, exact_step, count_substeps, most_substeps
+   public :: exact_increment, exact_step
 
    integer, parameter :: most_substeps = 4 !! beyond, Jacobi's functions are cheaper, and as exact
    real(dp), parameter :: longest_phase = 1e15_dp !! h |omega| beyond which no digit of the angle is
@@ -28,17 +27,13 @@ contains
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      type(step_rotation) :: rotation
       real(dp) :: parts(lanes)
       logical :: too_long
 
-      call find_rotation(nvec, class, h, y, rotation, too_long)
-      if (.not. too_long) then
-         call rotation_increments(nvec, class, rotation, y, q, dy, dq)
-      else
-         call substeps(nvec, class, h, y, parts, status)
-         call long_increment(nvec, class, terms, parts, h, y, q, dy, dq, status)
-      end if
+      call single_pass_increments(nvec, class, h, y, q, dy, dq, too_long)
+      if (.not. too_long) return
+      call substeps(nvec, class, h, y, parts, status)
+      call long_increment(nvec, class, terms, parts, h, y, q, dy, dq, status)
    end subroutine exact_increment
 
    !> The same with plain sums, from state to state.
@@ -49,28 +44,37 @@ contains
       real(dp), intent(in) :: h(lanes)
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      type(step_rotation) :: rotation
+      logical :: too_long
+      call single_pass(nvec, class, h, y, q, too_long)
+      if (too_long) call long_step(nvec, class, terms, h, y, q, status)
+   end subroutine exact_step
+
+   !> The same where at least one lane needs more than one pass.
+   pure subroutine long_step(nvec, class, terms, h, y, q, status)
+      integer, intent(in) :: nvec
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: terms
+      real(dp), intent(in) :: h(lanes)
+      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
+      integer, intent(inout) :: status(lanes)
       real(dp), dimension(lanes) :: parts, short, long
       real(dp) :: dy(lanes, 3), dq(lanes, 4)
       logical :: too_long
       integer :: l
 
-      call find_rotation(nvec, class, h, y, rotation, too_long)
-      if (.not. too_long) then
-         call rotate_state(nvec, class, rotation, h, y, q)
-         return
-      end if
       call substeps(nvec, class, h, y, parts, status)
       do l = 1, group*nvec
          short(l) = merge(h(l), 0.0_dp, nint(parts(l)) == 1)
          long(l) = merge(h(l), 0.0_dp, parts(l) > 1.5_dp)
          if (.not. parts(l) > 1.5_dp) parts(l) = 0
       end do
-      call find_rotation(nvec, class, short, y, rotation, too_long)
-      call rotate_state(nvec, class, rotation, short, y, q)
+      call single_pass(nvec, class, short, y, q, too_long)
       call long_increment(nvec, class, terms, parts, long, y, q, dy, dq, status)
-      call add_plain(nvec, long, dy, dq, y, q)
-   end subroutine exact_step
+      do l = 1, group*nvec
+         if (status(l) /= poinsot_ok) long(l) = 0
+      end do
+      call add_plain(long, dy, dq, y, q, nvec)
+   end subroutine long_step
 
    !> How many substeps each lane takes; more than most_substeps: Jacobi's functions; 0 and a status
    !> where h is too long for any way.
@@ -107,7 +111,6 @@ contains
       integer, intent(inout) :: status(lanes)
       real(dp), dimension(lanes) :: parts, step
       real(dp) :: ys(lanes, 3), qs(lanes, 4), ddy(lanes, 3), ddq(lanes, 4)
-      type(step_rotation) :: rotation
       logical :: too_long
       integer :: n, k
 
@@ -124,9 +127,8 @@ contains
          step(:n) = merge(h(:n), 0.0_dp, k <= parts(:n))/max(parts(:n), 1.0_dp)
          ys(:n, :) = y(:n, :) + dy(:n, :)
          qs(:n, :) = q(:n, :) + dq(:n, :)
-         call find_rotation(nvec, class, step, ys, rotation, too_long)
+         call single_pass_increments(nvec, class, step, ys, qs, ddy, ddq, too_long)
          if (too_long) exit
-         call rotation_increments(nvec, class, rotation, ys, qs, ddy, ddq)
          dy(:n, :) = dy(:n, :) + ddy(:n, :)
          dq(:n, :) = dq(:n, :) + ddq(:n, :)
       end do

@@ -2,11 +2,11 @@
 !> (mathematics, section 3).
 !>
 !> All kinds of body go through the same straight code. Everything is dimensionless: w = h omega,
-!> and momenta only ever enter linearly. Three loops over the lanes, so that values stay in registers
-!> and the division of one vector runs beside the arithmetic of others; the statements in them stand
-!> in files of their own because bodies that all differ need the same ones (poinsot_free_exact_lanes).
-!> Lanes that need longer series have them chosen by a mask: a lane's bits do not depend on the
-!> lanes beside it.
+!> and momenta only ever enter linearly. Three loops over the lanes, so that values stay in
+!> registers and the division of one vector runs beside the arithmetic of others; statements that
+!> more than one loop needs, those of bodies that all differ too (poinsot_free_exact_lanes), stand
+!> in files of their own. Lanes that need longer series have them chosen by a mask: a lane's bits do
+!> not depend on the lanes beside it.
 module poinsot_free_exact_step
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_body_class, only: body_class, series_levels
@@ -15,14 +15,14 @@ module poinsot_free_exact_step
    use poinsot_body_series_start, only: axis_series
    implicit none(type, external)
    private
-   public :: step_rotation, find_rotation, rotate_state, rotation_increments, step_sizes
+   public :: single_pass, single_pass_increments, step_sizes
 
    !> The rotation of a step, axes sorted.
    type :: step_rotation
-      real(dp) :: v(lanes, 3)    !! sin(angle) axis
-      real(dp) :: cosine(lanes)  !! cos(angle/2) - 1
-      real(dp) :: factor(lanes)  !! 1/(2 cos(angle/2))
-      real(dp) :: loss(lanes)    !! of momentum about the axis of the smallest moment
+      real(dp) :: v(lanes, 3)      !! sin(angle) axis
+      real(dp) :: loss(lanes)      !! of momentum about the axis of the smallest moment
+      integer(i8) :: far(lanes)    !! mask: half the angle needs roots
+      logical :: any_near, any_far !! is there a lane of either kind?
    end type step_rotation
 
    !> What stands between the first loop and the second.
@@ -62,37 +62,117 @@ contains
       end do
    end subroutine step_sizes
 
-   !> The rotation of one step of each lane. Where `too_long` comes out true, a lane is beyond the
-   !> longest series of its class, and there is no rotation for any.
+   !> One step of each lane in one pass, plain sums, |q| drawn to 1. A lane with h = 0 keeps its
+   !> bits. Where `too_long` comes out true, a lane is beyond the longest series of its class, and
+   !> nothing has been done.
+   pure subroutine single_pass(nvec, class, h, y, q, too_long)
+      integer, intent(in) :: nvec            !! groups of lanes to work on
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h(lanes)       !! step of each lane, any sign; 0: it stands still
+      real(dp), intent(inout) :: y(lanes, 3) !! angular momentum, caller's axes
+      real(dp), intent(inout) :: q(lanes, 4) !! attitude
+      logical, intent(out) :: too_long
+      type(step_rotation) :: rotation
+      rotation%far(:group*nvec) = 0 ! a loop here has the compiler align the whole of it
+      call find_rotation(nvec, class, h, y, rotation, too_long)
+      if (too_long) return
+      if (.not. rotation%any_far) then
+         call turn_near(nvec, class, rotation, h, y, q)
+      else if (.not. rotation%any_near) then
+         call turn_far(nvec, class, rotation, h, y, q)
+      else
+         call turn_both(nvec, class, rotation, h, y, q)
+      end if
+   end subroutine single_pass
+
+   !> The same as increments of y and q.
+   pure subroutine single_pass_increments(nvec, class, h, y, q, dy, dq, too_long)
+      integer, intent(in) :: nvec
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      logical, intent(out) :: too_long
+      type(step_rotation) :: rotation
+      rotation%far(:group*nvec) = 0 ! a loop here has the compiler align the whole of it
+      call find_rotation(nvec, class, h, y, rotation, too_long)
+      if (too_long) return
+      call rotation_increments(nvec, class, rotation, y, q, dy, dq)
+   end subroutine single_pass_increments
+
+   !> The rotation of one step of each lane.
+   !>
+   !> Lanes with short and with long series each go through a loop of their own, and mostly only one
+   !> is needed: the first body says which to begin with.
    pure subroutine find_rotation(nvec, class, h, y, rotation, too_long)
       integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: h(lanes)       !! step of each lane, any sign; 0: it stands still
-      real(dp), intent(in) :: y(lanes, 3)    !! angular momentum, caller's axes
+      real(dp), intent(in) :: h(lanes), y(lanes, 3)
       type(step_rotation), intent(inout) :: rotation
       logical, intent(out) :: too_long
-      type(series_block) :: s
-      integer(i8) :: far(lanes)
-      logical :: any_far
+      type(series_block) :: short, long
+      logical :: any_far, any_near
 
-      call first_loop(nvec, class, h, y, s, any_far)
       too_long = .false.
-      if (any_far) call take_long_series(nvec, class, s, far, too_long)
-      if (too_long) return
-      call second_loop(nvec, class, s, rotation)
-      if (any_far) call take_roots(nvec, far, rotation)
+      any_near = .true.
+      if (begins_far(class, h(1), y(1, 1), y(1, 2), y(1, 3))) then
+         call long_series(nvec, class, h, y, long, rotation%far, any_near, too_long)
+         if (too_long) return
+         if (any_near) call short_series(nvec, class, h, y, short, any_far)
+         any_far = .true.
+      else
+         call short_series(nvec, class, h, y, short, any_far)
+         if (any_far) call long_series(nvec, class, h, y, long, rotation%far, any_near, too_long)
+         if (too_long) return
+      end if
+      rotation%any_near = any_near
+      rotation%any_far = any_far
+      if (any_near .and. any_far) call take_chosen(nvec, rotation%far, long, short)
+      if (any_near) then
+         call find_axis(nvec, class, short, rotation)
+      else
+         call find_axis(nvec, class, long, rotation)
+      end if
    end subroutine find_rotation
 
-   !> h omega, and the short series.
-   pure subroutine first_loop(nvec, class, h, y, s, any_far)
-      integer, intent(in) :: nvec
+   !> Does a body need the long series? A guess for its neighbours, by which no bit changes.
+   pure logical function begins_far(class, h, y1, y2, y3)
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: h(lanes), y(lanes, 3)
+      real(dp), intent(in) :: h, y1, y2, y3
+      real(dp) :: w1, w2, w3
+      w1 = y1*class%inverse(1)*h
+      w2 = y2*class%inverse(2)*h
+      w3 = y3*class%inverse(3)*h
+      begins_far = w1*w1 + w2*w2 + w3*w3 > class%reach(1)
+   end function begins_far
+
+   !> The long ones where `far` says so.
+   pure subroutine take_chosen(nvec, far, long, s)
+      integer, intent(in) :: nvec
+      integer(i8), intent(in) :: far(lanes)
+      type(series_block), intent(in) :: long
       type(series_block), intent(inout) :: s
+      integer :: l
+      !GCC$ ivdep
+      do l = 1, group*nvec
+         s%xs(l) = choose(far(l), long%xs(l), s%xs(l))
+         s%zs(l) = choose(far(l), long%zs(l), s%zs(l))
+         s%product(l) = choose(far(l), long%product(l), s%product(l))
+         s%ps(l) = choose(far(l), long%ps(l), s%ps(l))
+         s%rs(l) = choose(far(l), long%rs(l), s%rs(l))
+      end do
+   end subroutine take_chosen
+
+   !> h omega, and the short series. (`target` here and below: what may be stored to is not copied
+   !> before the loop; each coefficient then is the operand of an instruction.) Bits of positive
+   !> numbers compare like the numbers.
+   pure subroutine short_series(nvec, class, h, y, s, any_far)
+      integer, intent(in) :: nvec
+      type(body_class), intent(in), target :: class
+      real(dp), intent(in) :: h(lanes), y(lanes, 3)
+      type(series_block), intent(inout), target :: s
       logical, intent(out) :: any_far !! does a lane need the long ones?
       real(dp) :: m1, m2, m3, k1, k3, b4, c4, w1, w2, w3, square, p, r, cp, cr, x, z, e, f, t, u
-      real(dp) :: xs, zs, product, ps, rs, p01, p11, p21, p31, p02, p12, p22, p03, p13, p04
-      real(dp) :: r10, r11, r12, r13, r20, r21, r22, r30, r31, r40
+      real(dp) :: xs, zs, product, ps, rs
       integer(i8) :: limit, over
       integer :: l, i1, i2, i3
       i1 = class%order(1)
@@ -105,45 +185,53 @@ contains
       k3 = class%k3
       b4 = 0.25_dp*(class%a(1)*class%a(2))
       c4 = 0.25_dp*(class%a(2)*class%a(3))
-      associate (c => class%half_p)
-         p01 = c(0, 1); p11 = c(1, 1); p21 = c(2, 1); p31 = c(3, 1); p02 = c(0, 2)
-         p12 = c(1, 2); p22 = c(2, 2); p03 = c(0, 3); p13 = c(1, 3); p04 = c(0, 4)
-      end associate
-      associate (c => class%half_r)
-         r10 = c(1, 0); r11 = c(1, 1); r12 = c(1, 2); r13 = c(1, 3); r20 = c(2, 0)
-         r21 = c(2, 1); r22 = c(2, 2); r30 = c(3, 0); r31 = c(3, 1); r40 = c(4, 0)
-      end associate
       limit = transfer(class%reach(1), limit)
       over = 0
-      !GCC$ ivdep
-      do l = 1, group*nvec
-         w1 = y(l, i1)*m1*h(l)
-         w2 = y(l, i2)*m2*h(l)
-         w3 = y(l, i3)*m3*h(l)
-         include "exact_step_first.inc"
-         over = ior(over, limit - transfer(p + r, limit)) ! bits of positive numbers compare like
-         s%w(l, 1) = w1                                   ! the numbers
-         s%w(l, 2) = w2
-         s%w(l, 3) = w3
-         s%xs(l) = xs
-         s%zs(l) = zs
-         s%product(l) = product
-         s%ps(l) = ps
-         s%rs(l) = rs
-      end do
+      associate (c => class%half_p, d => class%half_r)
+         associate (p01 => c(0, 1), p11 => c(1, 1), p21 => c(2, 1), p31 => c(3, 1), &
+                    p02 => c(0, 2), p12 => c(1, 2), p22 => c(2, 2), p03 => c(0, 3), &
+                    p13 => c(1, 3), p04 => c(0, 4), r10 => d(1, 0), r11 => d(1, 1), &
+                    r12 => d(1, 2), r13 => d(1, 3), r20 => d(2, 0), r21 => d(2, 1), &
+                    r22 => d(2, 2), r30 => d(3, 0), r31 => d(3, 1), r40 => d(4, 0))
+            !GCC$ ivdep
+            do l = 1, group*nvec
+               w1 = y(l, i1)*m1*h(l)
+               w2 = y(l, i2)*m2*h(l)
+               w3 = y(l, i3)*m3*h(l)
+               include "exact_step_near.inc"
+               over = ior(over, limit - transfer(p + r, limit))
+               s%w(l, 1) = w1
+               s%w(l, 2) = w2
+               s%w(l, 3) = w3
+               s%xs(l) = xs
+               s%zs(l) = zs
+               s%product(l) = product
+               s%ps(l) = ps
+               s%rs(l) = rs
+            end do
+         end associate
+      end associate
       any_far = over < 0
-   end subroutine first_loop
+   end subroutine short_series
 
-   !> The long series, for the lanes that need them.
-   pure subroutine take_long_series(nvec, class, s, far, too_long)
+   !> h omega, and the long series: degrees 0 to 7.
+   pure subroutine long_series(nvec, class, h, y, s, far, any_near, too_long)
       integer, intent(in) :: nvec
-      type(body_class), intent(in) :: class
-      type(series_block), intent(inout) :: s
-      integer(i8), intent(out) :: far(lanes) !! mask of these lanes
-      logical, intent(out) :: too_long       !! is one beyond these too?
-      real(dp) :: k1, k3, b4, c4, square, p, r, x, z, e, f, t, xs, zs, pp, rr, e0, e1, e2
-      integer(i8) :: limit, longest, over, mask
-      integer :: l
+      type(body_class), intent(in), target :: class
+      real(dp), intent(in) :: h(lanes), y(lanes, 3)
+      type(series_block), intent(inout), target :: s
+      integer(i8), intent(inout) :: far(lanes) !! mask of the lanes that need them
+      logical, intent(out) :: any_near         !! is there another one?
+      logical, intent(out) :: too_long         !! is one beyond these too?
+      real(dp) :: m1, m2, m3, k1, k3, b4, c4, w1, w2, w3, square, p, r, x, z, e, f, t, xs, zs, u, v
+      integer(i8) :: limit, longest, over, near, mask
+      integer :: l, i1, i2, i3
+      i1 = class%order(1)
+      i2 = class%order(2)
+      i3 = class%order(3)
+      m1 = class%parity*class%inverse(i1)
+      m2 = class%parity*class%inverse(i2)
+      m3 = class%parity*class%inverse(i3)
       k1 = class%k1
       k3 = class%k3
       b4 = 0.25_dp*(class%a(1)*class%a(2))
@@ -151,13 +239,18 @@ contains
       limit = transfer(class%reach(1), limit)
       longest = transfer(class%reach(series_levels), longest)
       over = 0
+      near = 0
       !GCC$ ivdep
       do l = 1, group*nvec
-         square = s%w(l, 2)*s%w(l, 2)
-         p = s%w(l, 1)*s%w(l, 1) + k1*square
-         r = s%w(l, 3)*s%w(l, 3) + k3*square
+         w1 = y(l, i1)*m1*h(l)
+         w2 = y(l, i2)*m2*h(l)
+         w3 = y(l, i3)*m3*h(l)
+         square = w2*w2
+         p = w1*w1 + k1*square
+         r = w3*w3 + k3*square
          mask = shifta(limit - transfer(p + r, mask), 63)
          over = ior(over, longest - transfer(p + r, over))
+         near = ior(near, not(mask))
          far(l) = mask
          p = min(p, 1.0_dp)
          r = min(r, 1.0_dp)
@@ -173,37 +266,53 @@ contains
          end associate
          xs = x*t
          zs = z*t
-         s%product(l) = choose(mask, sqrt(max(t*((1 - xs)*(1 - zs)), 0.0_dp)), s%product(l))
-         s%xs(l) = choose(mask, xs, s%xs(l))
-         s%zs(l) = choose(mask, zs, s%zs(l))
-         pp = p*p
-         rr = r*r
-         associate (c => class%high_p)
-            e0 = (c(0, 0) + p*(c(1, 0) + p*c(2, 0)))*p + (c(0, 1) + p*(c(1, 1) + p*c(2, 1)))*r
-            e1 = (c(0, 2) + p*(c(1, 2) + p*c(2, 2)))*p + (c(0, 3) + p*(c(1, 3) + p*c(2, 3)))*r
-            e2 = (c(0, 4) + p*(c(1, 4) + p*c(2, 4)))*p &
-               + (c(0, 5) + p*(c(1, 5) + p*c(2, 5)) + r*(c(0, 6) + p*c(1, 6) + r*c(2, 6)))*r
+         s%w(l, 1) = w1
+         s%w(l, 2) = w2
+         s%w(l, 3) = w3
+         s%xs(l) = xs
+         s%zs(l) = zs
+         s%product(l) = sqrt(max(t*((1 - xs)*(1 - zs)), 0.0_dp))
+         associate (c => class%half_p, d => class%high_p)
+            u = d(0, 6) + p*d(1, 6) + r*d(2, 6)
+            u = d(0, 5) + p*(d(1, 5) + p*d(2, 5)) + r*u
+            v = d(0, 4) + p*(d(1, 4) + p*d(2, 4))
+            u = c(0, 4) + p*v + r*u
+            v = d(0, 3) + p*(d(1, 3) + p*d(2, 3))
+            u = c(0, 3) + p*(c(1, 3) + p*v) + r*u
+            v = d(0, 2) + p*(d(1, 2) + p*d(2, 2))
+            u = c(0, 2) + p*(c(1, 2) + p*(c(2, 2) + p*v)) + r*u
+            v = d(0, 1) + p*(d(1, 1) + p*d(2, 1))
+            u = c(0, 1) + p*(c(1, 1) + p*(c(2, 1) + p*(c(3, 1) + p*v))) + r*u
+            v = d(0, 0) + p*(d(1, 0) + p*d(2, 0))
+            s%ps(l) = c(0, 0) + p*(c(1, 0) + p*(c(2, 0) + p*(c(3, 0) + p*(c(4, 0) + p*v)))) + r*u
          end associate
-         s%ps(l) = choose(mask, s%ps(l) + ((e0*pp + e1*rr)*pp + e2*(rr*rr)), s%ps(l))
-         associate (c => class%high_r)
-            e0 = (c(0, 0) + p*(c(1, 0) + p*c(2, 0)))*p + (c(0, 1) + p*(c(1, 1) + p*c(2, 1)))*r
-            e1 = (c(0, 2) + p*(c(1, 2) + p*c(2, 2)))*p + (c(0, 3) + p*(c(1, 3) + p*c(2, 3)))*r
-            e2 = (c(0, 4) + p*(c(1, 4) + p*c(2, 4)))*p &
-               + (c(0, 5) + p*(c(1, 5) + p*c(2, 5)) + r*(c(0, 6) + p*c(1, 6) + r*c(2, 6)))*r
+         associate (c => class%half_r, d => class%high_r)
+            u = d(0, 6) + p*d(1, 6) + r*d(2, 6)
+            u = d(0, 5) + p*(d(1, 5) + p*d(2, 5)) + r*u
+            v = d(0, 4) + p*(d(1, 4) + p*d(2, 4))
+            u = c(0, 4) + p*v + r*u
+            v = d(0, 3) + p*(d(1, 3) + p*d(2, 3))
+            u = c(0, 3) + p*(c(1, 3) + p*v) + r*u
+            v = d(0, 2) + p*(d(1, 2) + p*d(2, 2))
+            u = c(0, 2) + p*(c(1, 2) + p*(c(2, 2) + p*v)) + r*u
+            v = d(0, 1) + p*(d(1, 1) + p*d(2, 1))
+            u = c(0, 1) + p*(c(1, 1) + p*(c(2, 1) + p*(c(3, 1) + p*v))) + r*u
+            v = d(0, 0) + p*(d(1, 0) + p*d(2, 0))
+            s%rs(l) = c(0, 0) + p*(c(1, 0) + p*(c(2, 0) + p*(c(3, 0) + p*(c(4, 0) + p*v)))) + r*u
          end associate
-         s%rs(l) = choose(mask, s%rs(l) + ((e0*pp + e1*rr)*pp + e2*(rr*rr)), s%rs(l))
       end do
       too_long = over < 0
-   end subroutine take_long_series
+      any_near = near < 0
+   end subroutine long_series
 
-   !> The momentum at the end of the step by the duplication formula, and the rotation.
-   pure subroutine second_loop(nvec, class, s, rotation)
+   !> The momentum at the end of the step by the duplication formula, and the axis of the rotation.
+   pure subroutine find_axis(nvec, class, s, rotation)
       integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       type(series_block), intent(in) :: s
       type(step_rotation), intent(inout) :: rotation
       real(dp) :: a1, a2, a3, theta, f1, w1, w2, w3, xs, zs, product, ps, rs
-      real(dp) :: den, u, cf, df, b, g, u1, u3, s1, s2, s3, d, loss, v1, v2, v3, vv
+      real(dp) :: den, u, cf, df, b, g, u1, u3, s1, s2, s3, d, loss, v1, v2, v3
       integer :: l
       a1 = class%a(1)
       a2 = class%a(2)
@@ -225,38 +334,18 @@ contains
          rotation%v(l, 2) = v2
          rotation%v(l, 3) = v3
          rotation%loss(l) = loss
-         rotation%cosine(l) = vv*(half_cosine(0) + vv*(half_cosine(1) + vv*(half_cosine(2) &
-            + vv*(half_cosine(3) + vv*(half_cosine(4) + vv*half_cosine(5))))))
-         rotation%factor(l) = half_factor(0) + vv*(half_factor(1) + vv*(half_factor(2) &
-            + vv*(half_factor(3) + vv*(half_factor(4) + vv*half_factor(5)))))
       end do
-   end subroutine second_loop
+   end subroutine find_axis
 
-   !> The half angle by roots, for the lanes that turn further.
-   pure subroutine take_roots(nvec, far, rotation)
-      integer, intent(in) :: nvec
-      integer(i8), intent(in) :: far(lanes)
-      type(step_rotation), intent(inout) :: rotation
-      real(dp) :: vv, half
-      integer :: l
-      !GCC$ ivdep
-      do l = 1, group*nvec
-         vv = rotation%v(l, 1)**2 + rotation%v(l, 2)**2 + rotation%v(l, 3)**2
-         half = sqrt(0.5_dp + 0.5_dp*sqrt(1 - vv))
-         rotation%cosine(l) = choose(far(l), half - 1, rotation%cosine(l))
-         rotation%factor(l) = choose(far(l), 0.5_dp/half, rotation%factor(l))
-      end do
-   end subroutine take_roots
-
-   !> The next state, plain sums, |q| drawn to 1. A lane with h = 0 keeps its bits.
-   pure subroutine rotate_state(nvec, class, rotation, h, y, q)
+   !> The next state, plain sums; half the angle by polynomials.
+   pure subroutine turn_near(nvec, class, rotation, h, y, q)
       integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       type(step_rotation), intent(in) :: rotation
       real(dp), intent(in) :: h(lanes)
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
-      real(dp) :: v1, v2, v3, loss, cosine, factor, y1, y2, y3, q0, q1, q2, q3, parity, draw
-      real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3
+      real(dp) :: v1, v2, v3, vv, cosine, factor, y1, y2, y3, q0, q1, q2, q3, draw
+      real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3, parity
       integer :: l, i1, i2, i3
       i1 = class%order(1)
       i2 = class%order(2)
@@ -264,20 +353,8 @@ contains
       parity = class%parity
       !GCC$ ivdep
       do l = 1, group*nvec
-         v1 = rotation%v(l, 1)
-         v2 = rotation%v(l, 2)
-         v3 = rotation%v(l, 3)
-         loss = rotation%loss(l)
-         factor = rotation%factor(l)
-         y1 = y(l, i1)
-         y2 = y(l, i2)
-         y3 = y(l, i3)
-         q0 = parity*q(l, 1)
-         q1 = q(l, 1 + i1)
-         q2 = q(l, 1 + i2)
-         q3 = q(l, 1 + i3)
+         include "exact_step_angle.inc"
          draw = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0)
-         cosine = rotation%cosine(l) - draw*((q0*q0 + q1*q1) + (q2*q2 + q3*q3) - 1)
          include "exact_step_third.inc"
          y(l, i1) = y1 + d1
          y(l, i2) = y2 + d2
@@ -287,17 +364,17 @@ contains
          q(l, 1 + i2) = q2 + e2
          q(l, 1 + i3) = q3 + e3
       end do
-   end subroutine rotate_state
+   end subroutine turn_near
 
-   !> The increments of y and q.
-   pure subroutine rotation_increments(nvec, class, rotation, y, q, dy, dq)
+   !> The same; half the angle by roots.
+   pure subroutine turn_far(nvec, class, rotation, h, y, q)
       integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       type(step_rotation), intent(in) :: rotation
-      real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
-      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
-      real(dp) :: v1, v2, v3, loss, cosine, factor, y1, y2, y3, q0, q1, q2, q3, parity
-      real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3
+      real(dp), intent(in) :: h(lanes)
+      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
+      real(dp) :: v1, v2, v3, vv, cosine, factor, half, y1, y2, y3, q0, q1, q2, q3, draw
+      real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3, parity
       integer :: l, i1, i2, i3
       i1 = class%order(1)
       i2 = class%order(2)
@@ -308,16 +385,75 @@ contains
          v1 = rotation%v(l, 1)
          v2 = rotation%v(l, 2)
          v3 = rotation%v(l, 3)
-         loss = rotation%loss(l)
-         factor = rotation%factor(l)
-         cosine = rotation%cosine(l)
-         y1 = y(l, i1)
-         y2 = y(l, i2)
-         y3 = y(l, i3)
-         q0 = parity*q(l, 1)
-         q1 = q(l, 1 + i1)
-         q2 = q(l, 1 + i2)
-         q3 = q(l, 1 + i3)
+         vv = v1*v1 + v2*v2 + v3*v3
+         half = sqrt(0.5_dp + 0.5_dp*sqrt(1 - vv))
+         cosine = half - 1
+         factor = 0.5_dp/half
+         draw = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0)
+         include "exact_step_third.inc"
+         y(l, i1) = y1 + d1
+         y(l, i2) = y2 + d2
+         y(l, i3) = y3 + d3
+         q(l, 1) = parity*(q0 + e0)
+         q(l, 1 + i1) = q1 + e1
+         q(l, 1 + i2) = q2 + e2
+         q(l, 1 + i3) = q3 + e3
+      end do
+   end subroutine turn_far
+
+   !> The same where some lanes turn further than others.
+   pure subroutine turn_both(nvec, class, rotation, h, y, q)
+      integer, intent(in) :: nvec
+      type(body_class), intent(in) :: class
+      type(step_rotation), intent(in) :: rotation
+      real(dp), intent(in) :: h(lanes)
+      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
+      real(dp) :: v1, v2, v3, vv, cosine, factor, half, y1, y2, y3, q0, q1, q2, q3, draw
+      real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3, parity
+      integer :: l, i1, i2, i3
+      i1 = class%order(1)
+      i2 = class%order(2)
+      i3 = class%order(3)
+      parity = class%parity
+      !GCC$ ivdep
+      do l = 1, group*nvec
+         include "exact_step_angle.inc"
+         half = sqrt(0.5_dp + 0.5_dp*sqrt(1 - vv))
+         cosine = choose(rotation%far(l), half - 1, cosine)
+         factor = choose(rotation%far(l), 0.5_dp/half, factor)
+         draw = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0)
+         include "exact_step_third.inc"
+         y(l, i1) = y1 + d1
+         y(l, i2) = y2 + d2
+         y(l, i3) = y3 + d3
+         q(l, 1) = parity*(q0 + e0)
+         q(l, 1 + i1) = q1 + e1
+         q(l, 1 + i2) = q2 + e2
+         q(l, 1 + i3) = q3 + e3
+      end do
+   end subroutine turn_both
+
+   !> The increments of y and q.
+   pure subroutine rotation_increments(nvec, class, rotation, y, q, dy, dq)
+      integer, intent(in) :: nvec
+      type(body_class), intent(in) :: class
+      type(step_rotation), intent(in) :: rotation
+      real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      real(dp) :: v1, v2, v3, vv, cosine, factor, half, y1, y2, y3, q0, q1, q2, q3, draw
+      real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3, parity
+      integer :: l, i1, i2, i3
+      i1 = class%order(1)
+      i2 = class%order(2)
+      i3 = class%order(3)
+      parity = class%parity
+      draw = 0
+      !GCC$ ivdep
+      do l = 1, group*nvec
+         include "exact_step_angle.inc"
+         half = sqrt(0.5_dp + 0.5_dp*sqrt(1 - vv))
+         cosine = choose(rotation%far(l), half - 1, cosine)
+         factor = choose(rotation%far(l), 0.5_dp/half, factor)
          include "exact_step_third.inc"
          dy(l, i1) = d1
          dy(l, i2) = d2

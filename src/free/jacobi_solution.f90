@@ -11,7 +11,7 @@
 !> are held by masks, so a lane's bits depend on that lane alone. Momenta are divided by a power of
 !> two near |y|, moments by one near the largest.
 module poinsot_free_jacobi_solution
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_status, only: poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_elliptic_elementary, only: atan2_block, sincos_block
@@ -62,7 +62,8 @@ contains
    !> Increments of y and q over h, exact to rounding, for every body and any h. POINSOT_E_STEP, and
    !> zero increments, where h |omega| is beyond about 1e15. The rotation is the one below half a
    !> turn.
-   pure subroutine jacobi_increment(class, terms, h, y, q, dy, dq, status)
+   pure subroutine jacobi_increment(nvec, class, terms, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec             !! groups of lanes to work on
       type(body_class), intent(in) :: class   !! of these bodies
       integer, intent(in) :: terms            !! not used
       real(dp), intent(in) :: h(lanes)        !! step of each lane, either sign; 0: stands still
@@ -75,11 +76,19 @@ contains
       type(end_type) :: finish
       type(axes_constants) :: axes
       real(dp), dimension(lanes) :: s, c, d, turns, sf, cf
-      real(dp) :: rho(lanes, 4)
+      real(dp) :: hs(lanes), ys(lanes, 3), qs(lanes, 4), rho(lanes, 4)
       integer(i8) :: too_long(lanes)
+      integer :: n
 
+      n = group*nvec                           ! lanes behind these stand still
+      hs(:n) = h(:n)
+      ys(:n, :) = y(:n, :)
+      qs(:n, :) = q(:n, :)
+      hs(n + 1:) = 0
+      ys(n + 1:, :) = 0
+      qs(n + 1:, :) = 0
       axes = constants_of(class)
-      call scale_lanes(class, h, y, start, too_long)
+      call scale_lanes(class, hs, ys, start, too_long)
       call order_axes(axes, start)
       call find_phase(axes, start, too_long)
       call jacobi_block(start%w, start%k2, start%kc2, s, c, d, turns)
@@ -90,8 +99,8 @@ contains
       call third_kind(start, s, c, d, turns, finish)
       if (any(abs(turns) > 0.0_dp)) call whole_turns(start, turns, finish)
       call rotation(start, finish, rho)
-      call increments(class, start, finish, rho, y, q, dy, dq)
-      where (too_long /= 0_i8) status = poinsot_e_step
+      call increments(class, start, finish, rho, ys, qs, dy, dq)
+      where (too_long(:n) /= 0_i8) status(:n) = poinsot_e_step
    end subroutine jacobi_increment
 
    !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.

@@ -2,27 +2,30 @@
 !>
 !> A new method is one kernel in a file of its own and one row in `registered`.
 module poinsot_free_method
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, group, groups, lanes
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, conserve
-   use poinsot_free_exact, only: exact_increment
+   use poinsot_free_exact, only: exact_increment, exact_step
    use poinsot_free_jacobi_solution, only: jacobi_increment
    use poinsot_free_moser_veselov, only: moser_veselov_increment, midpoint_increment
    use poinsot_free_rattle, only: rattle_increment
    use poinsot_free_split_rotations, only: three_rotations_increment, symmetric_rotation_increment
    implicit none(type, external)
    private
-   public :: free_method, find_method, method_names, method_count, method_name, advance
+   public :: free_method, find_method, method_names, method_count, method_name
+   public :: advance, advance_lanes
 
    abstract interface
       !> A kernel: the increments of y and q of a block over h. A lane with h = 0 gets zeros; a lane
-      !> that fails gets a status. Written so that a lane's bits depend on that lane alone.
-      pure subroutine increment_kernel(class, terms, h, y, q, dy, dq, status)
+      !> that fails gets a status. Written so that a lane's bits depend on that lane alone: lanes
+      !> behind the first 8 nvec are neither read nor given a status.
+      pure subroutine increment_kernel(nvec, class, terms, h, y, q, dy, dq, status)
          import :: dp, lanes, body_class
          implicit none(type, external)
+         integer, intent(in) :: nvec                !! groups of lanes to work on
          type(body_class), intent(in) :: class      !! constants of the body class
          !> terms of the preprocessing series, where there is one
          integer, intent(in) :: terms
@@ -34,6 +37,19 @@ module poinsot_free_method
          real(dp), intent(out) :: dq(lanes, 4)      !! q(h) - q
          integer, intent(inout) :: status(lanes)    !! set where a lane fails
       end subroutine increment_kernel
+
+      !> The same from state to state with plain sums, |q| drawn to 1, where a method does that in
+      !> one go. A lane with h = 0 keeps its bits.
+      pure subroutine step_kernel(nvec, class, terms, h, y, q, status)
+         import :: dp, lanes, body_class
+         implicit none(type, external)
+         integer, intent(in) :: nvec
+         type(body_class), intent(in) :: class
+         integer, intent(in) :: terms
+         real(dp), intent(in) :: h(lanes)
+         real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
+         integer, intent(inout) :: status(lanes)
+      end subroutine step_kernel
    end interface
 
    integer, parameter :: name_length = 20
@@ -46,6 +62,7 @@ module poinsot_free_method
       logical :: conserves_energy = .true.         !! up to rounding
       procedure(increment_kernel), pointer, nopass :: increment => null()
       character(64) :: about = ""                  !! one line for people
+      procedure(step_kernel), pointer, nopass :: step => null() !! plain sums in one go, if there is
    end type free_method
 
    real(dp), parameter :: far = 1e70_dp !! beyond, h is looked at before it is multiplied
@@ -64,7 +81,8 @@ contains
       type(free_method) :: methods(registered_count)
       integer :: n
       methods(1) = free_method("", 0, 0, .true., exact_increment, &
-                               "explicit exact step; substeps and Jacobi's functions by itself")
+                               "explicit exact step; substeps and Jacobi's functions by itself", &
+                               exact_step)
       methods(2) = free_method("", 0, 0, .true., jacobi_increment, &
                                "Jacobi's elliptic functions, any step")
       methods(3) = free_method("", 2, 0, .true., moser_veselov_increment, &
@@ -116,56 +134,118 @@ contains
       call raise(error, poinsot_e_method, "unknown method '"//trim(name)//"'; there are:"//list)
    end subroutine find_method
 
-   !> One step h, either sign, of all lanes of a block. A lane whose status is not POINSOT_OK stands
-   !> still; a lane that fails here gets its status and keeps its state.
-   pure subroutine advance(method, class, h, y, q, status, carry)
+   !> One step h, either sign, of a block. A lane whose status is not POINSOT_OK stands still; a
+   !> lane that fails here gets its status and keeps its state. With `nvec` the first 8 nvec lanes
+   !> only, with the same bits.
+   pure subroutine advance(method, class, h, y, q, status, carry, nvec)
       type(free_method), intent(in) :: method
       type(body_class), intent(in) :: class                  !! of these bodies
       real(dp), intent(in) :: h                              !! step
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)    !! the state
       integer, intent(inout) :: status(lanes)
       real(dp), intent(inout), optional :: carry(lanes, 7)   !! compensated sums, if wanted
-      real(dp) :: hl(lanes), dy(lanes, 3), dq(lanes, 4)
-      integer :: j
+      integer, intent(in), optional :: nvec                  !! groups of lanes to work on
+      real(dp) :: hl(lanes)
+      integer :: used, failed, l
+      used = groups
+      if (present(nvec)) used = nvec
+      failed = 0
+      do l = 1, group*used
+         hl(l) = h
+         failed = ior(failed, status(l))
+      end do
+      if (failed /= poinsot_ok) call stop_failed(used, status, hl)
+      if (abs(h) > far) call reject_far(used, class, y, hl, status)
+      if (associated(method%step) .and. .not. present(carry)) then
+         call method%step(used, class, method%terms, hl, y, q, status)
+         return
+      end if
+      call advance_by_increments(method, class, hl, y, q, status, used, carry)
+   end subroutine advance
 
-      hl = h
-      if (any_failed(status)) hl = merge(h, 0.0_dp, status == poinsot_ok)
-      if (abs(h) > far) call refuse_far(class, h, y, hl, status)
-      call method%increment(class, method%terms, hl, y, q, dy, dq, status)
-      if (any_failed(status)) then
-         hl = merge(h, 0.0_dp, status == poinsot_ok)
-         do j = 1, 3
-            dy(:, j) = merge(dy(:, j), 0.0_dp, status == poinsot_ok)
-         end do
-         do j = 1, 4
-            dq(:, j) = merge(dq(:, j), 0.0_dp, status == poinsot_ok)
-         end do
+   !> The same with a step for each lane: bodies of one shape and different sizes (moments scale I
+   !> over h are moments I over h/scale, mathematics, section 10), or a time of their own.
+   pure subroutine advance_lanes(method, class, h, y, q, status, nvec, carry)
+      type(free_method), intent(in) :: method
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h(lanes)                       !! step of each lane
+      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      integer, intent(in) :: nvec                            !! groups of lanes to work on
+      real(dp), intent(inout), optional :: carry(lanes, 7)
+      real(dp) :: hl(lanes)
+      hl(:group*nvec) = h(:group*nvec)
+      if (any_failed(status, nvec)) call stop_failed(nvec, status, hl)
+      call reject_far(nvec, class, y, hl, status)
+      if (associated(method%step) .and. .not. present(carry)) then
+         call method%step(nvec, class, method%terms, hl, y, q, status)
+         return
+      end if
+      call advance_by_increments(method, class, hl, y, q, status, nvec, carry)
+   end subroutine advance_lanes
+
+   !> The step by increments, lanes that stand still having h = 0.
+   pure subroutine advance_by_increments(method, class, h, y, q, status, nvec, carry)
+      type(free_method), intent(in) :: method
+      type(body_class), intent(in) :: class
+      real(dp), intent(inout) :: h(lanes)
+      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      integer, intent(in) :: nvec
+      real(dp), intent(inout), optional :: carry(lanes, 7)
+      real(dp) :: dy(lanes, 3), dq(lanes, 4)
+
+      call method%increment(nvec, class, method%terms, h, y, q, dy, dq, status)
+      if (any_failed(status, nvec)) then
+         call stop_failed(nvec, status, h)
+         call drop_failed(nvec, status, dy, dq)
       end if
       if (present(carry)) then
-         call conserve(class, method%conserves_energy, hl, y, dy, carry)
-         call add_compensated(hl, dy, dq, y, q, carry)
+         call conserve(class, method%conserves_energy, h, y, dy, carry, nvec)
+         call add_compensated(h, dy, dq, y, q, carry, nvec)
       else
-         call add_plain(hl, dy, dq, y, q)
+         call add_plain(h, dy, dq, y, q, nvec)
       end if
-   end subroutine advance
+   end subroutine advance_by_increments
+
+   !> h = 0 where a lane has failed.
+   pure subroutine stop_failed(nvec, status, h)
+      integer, intent(in) :: nvec, status(lanes)
+      real(dp), intent(inout) :: h(lanes)
+      where (status(:group*nvec) /= poinsot_ok) h(:group*nvec) = 0
+   end subroutine stop_failed
+
+   !> No increment where a lane has failed.
+   pure subroutine drop_failed(nvec, status, dy, dq)
+      integer, intent(in) :: nvec, status(lanes)
+      real(dp), intent(inout) :: dy(lanes, 3), dq(lanes, 4)
+      integer :: l
+      do l = 1, group*nvec
+         if (status(l) == poinsot_ok) cycle
+         dy(l, :) = 0
+         dq(l, :) = 0
+      end do
+   end subroutine drop_failed
 
    !> A step so long that its rotation would overflow: POINSOT_E_STEP. Exponents are compared,
    !> nothing is multiplied.
-   pure subroutine refuse_far(class, h, y, hl, status)
+   pure subroutine reject_far(nvec, class, y, h, status)
+      integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: h, y(lanes, 3)
-      real(dp), intent(inout) :: hl(lanes)
+      real(dp), intent(in) :: y(lanes, 3)
+      real(dp), intent(inout) :: h(lanes)
       integer, intent(inout) :: status(lanes)
       integer :: l, j
       do j = 1, 3
          if (.not. class%inverse(j) > 0) cycle
-         do l = 1, lanes
-            if (.not. abs(y(l, j)) > 0 .or. .not. abs(hl(l)) > 0) cycle
-            if (exponent(y(l, j)) + exponent(class%inverse(j)) + exponent(h) < exponent(far)) cycle
+         do l = 1, group*nvec
+            if (.not. abs(y(l, j)) > 0 .or. .not. abs(h(l)) > far) cycle
+            if (exponent(y(l, j)) + exponent(class%inverse(j)) + exponent(h(l)) &
+                < exponent(far)) cycle
             status(l) = poinsot_e_step
-            hl(l) = 0
+            h(l) = 0
          end do
       end do
-   end subroutine refuse_far
+   end subroutine reject_far
 
 end module poinsot_free_method

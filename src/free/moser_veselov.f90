@@ -7,7 +7,7 @@
 !> - theta) R, R) (mathematics, section 2). Differences of modified moments are formed as sums of
 !> small terms, so that nearly linear, nearly symmetric and flat bodies lose no digits.
 module poinsot_free_moser_veselov
-   use poinsot_core_kinds, only: dp, group, lanes
+   use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_lanes, only: largest, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
    use poinsot_body_class, only: body_class
@@ -31,7 +31,8 @@ contains
    !> order 2 terms + 2. POINSOT_E_STEP for h |omega| > pi/2, POINSOT_E_CONVERGENCE if there is no
    !> root below 90 degrees a step: that of the plain map ends at h |omega| = 1 for a sphere,
    !> between 1 and 1.5 for other bodies; with terms there is one up to pi/2.
-   pure subroutine moser_veselov_increment(class, terms, h, y, q, dy, dq, status)
+   pure subroutine moser_veselov_increment(nvec, class, terms, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec                       !! groups of lanes to work on
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                           !! 0 (plain) to 11
       real(dp), intent(in) :: h(lanes)                  !! step, either sign; 0: the lane stands
@@ -39,63 +40,76 @@ contains
       real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      call cayley_increment(class, terms, 1.0_dp, h, y, q, dy, dq, status)
+      call cayley_increment(nvec, class, terms, 1.0_dp, h, y, q, dy, dq, status)
    end subroutine moser_veselov_increment
 
    !> Increments of a step of the implicit midpoint rule for (y, Q): order 2. Vilmart (2013), Remark
    !> 4.
-   pure subroutine midpoint_increment(class, terms, h, y, q, dy, dq, status)
+   pure subroutine midpoint_increment(nvec, class, terms, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms                           !! not used
       real(dp), intent(in) :: h(lanes)
       real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      call cayley_increment(class, 0, 0.0_dp, h, y, q, dy, dq, status)
+      call cayley_increment(nvec, class, 0, 0.0_dp, h, y, q, dy, dq, status)
    end subroutine midpoint_increment
 
-   !> Both maps: `stretch` is the factor of |e|^2 in alpha = 1 + stretch |e|^2. A lane that is too
-   !> fast (live = 0) is carried along at rest.
-   pure subroutine cayley_increment(class, terms, stretch, h, y, q, dy, dq, status)
+   !> Both maps: `quadratic` is the factor of |e|^2 in alpha = 1 + quadratic |e|^2. A lane that is
+   !> too fast (live = 0) is carried along at rest.
+   pure subroutine cayley_increment(nvec, class, terms, quadratic, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       integer, intent(in) :: terms
-      real(dp), intent(in) :: stretch, h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(in) :: quadratic, h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
       real(dp) :: w(lanes, 3), z(lanes, 3), kappa(lanes, 3), e(lanes, 3)
-      real(dp), dimension(lanes) :: p, r, ps, rs, slip, live, found
-      real(dp) :: above
+      real(dp), dimension(lanes) :: p, r, ps, rs, size, loss, live, found
       integer :: l
 
-      call step_sizes(class, h, y, w, p, r, above)
+      call step_sizes(nvec, class, h, y, w, p, r)
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          live(l) = merge(1.0_dp, 0.0_dp, p(l) + r(l) <= quarter_turn**2)
          p(l) = merge(p(l), 0.0_dp, live(l) > 0)
          r(l) = merge(r(l), 0.0_dp, live(l) > 0)
+         size(l) = p(l) + r(l)
       end do
-      call correction(lanes/group, terms, class, p, r, ps, rs)
-      call coefficients(class, live, w, ps, rs, z, kappa, slip)
-      call solve(stretch, p + r, z, kappa, e, found)
-      if (smallest(live) < 1) where (live < 1) status = poinsot_e_step
-      if (smallest(found) < 1) then
-         call insist(stretch, z, kappa, e, found)
-         where (found < 1 .and. status == poinsot_ok) status = poinsot_e_convergence
+      call correction(nvec, terms, class, p, r, ps, rs)
+      call coefficients(nvec, class, live, w, ps, rs, z, kappa, loss)
+      call solve(nvec, quadratic, size, z, kappa, e, found)
+      if (smallest(nvec, live) < 1) call set_failed(nvec, live, poinsot_e_step, status)
+      if (smallest(nvec, found) < 1) then
+         call iterate_further(nvec, quadratic, z, kappa, e, found)
+         call set_failed(nvec, found, poinsot_e_convergence, status)
       end if
-      call apply(class, e, slip, y, q, dy, dq)
+      call apply(nvec, class, e, loss, y, q, dy, dq)
    end subroutine cayley_increment
 
-   !> z and kappa of the equation, and slip = 1 - It_2/It_3 for the momentum about the axis of the
+   !> The status of lanes that are not well, if they have none.
+   pure subroutine set_failed(nvec, well, code, status)
+      integer, intent(in) :: nvec, code
+      real(dp), intent(in) :: well(lanes)
+      integer, intent(inout) :: status(lanes)
+      integer :: n
+      n = group*nvec
+      where (well(:n) < 1 .and. status(:n) == poinsot_ok) status(:n) = code
+   end subroutine set_failed
+
+   !> z and kappa of the equation, and loss = 1 - It_2/It_3 for the momentum about the axis of the
    !> smallest moment.
-   pure subroutine coefficients(class, live, w, ps, rs, z, kappa, slip)
+   pure subroutine coefficients(nvec, class, live, w, ps, rs, z, kappa, loss)
+      integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: live(lanes), w(lanes, 3), ps(lanes), rs(lanes)
-      real(dp), intent(out) :: z(lanes, 3), kappa(lanes, 3), slip(lanes)
+      real(dp), intent(out) :: z(lanes, 3), kappa(lanes, 3), loss(lanes)
       real(dp) :: one_p, one_r, one_c, d, ratio, i12
       integer :: l
       i12 = class%sorted(1)/class%sorted(2)
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          d = ps(l) - rs(l)
          one_p = ps(l)
          one_r = rs(l)
@@ -107,31 +121,32 @@ contains
          kappa(l, 1) = one_p*one_p*ratio*(class%a(1)*one_r + class%g1*d)
          kappa(l, 2) = -one_c*one_c*ratio*(class%a(2)*one_p + i12*d)
          kappa(l, 3) = one_r*one_r*ratio*(class%a(3)*one_p + class%g3*d)
-         slip(l) = (class%f1*one_r + class%theta*d)*one_p*one_r*ratio
+         loss(l) = (class%f1*one_r + class%theta*d)*one_p*one_r*ratio
       end do
    end subroutine coefficients
 
    !> Newton's method with a number of sweeps fixed beforehand by the size of the step: it cannot
    !> spin in rounding noise. A lane keeps its root once its own sweeps are done. `found` is 0 where
    !> the last sweep still moved, or |e| >= 1.
-   pure subroutine solve(stretch, size, z, kappa, e, found)
-      real(dp), intent(in) :: stretch, size(lanes), z(lanes, 3), kappa(lanes, 3)
+   pure subroutine solve(nvec, quadratic, size, z, kappa, e, found)
+      integer, intent(in) :: nvec
+      real(dp), intent(in) :: quadratic, size(lanes), z(lanes, 3), kappa(lanes, 3)
       real(dp), intent(out) :: e(lanes, 3)
       real(dp), intent(out) :: found(lanes)
       real(dp) :: moved(lanes), ee, e1, e2, e3
-      real(dp) :: sweeps(lanes)
+      real(dp), dimension(lanes) :: sweeps, active
       integer :: l, k
       real(dp), parameter :: tolerance = 1e-14_dp !! of the last sweep's move squared; what is left
                                                   !! is its square again
 
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          e1 = z(l, 1) - kappa(l, 1)*z(l, 2)*z(l, 3)
          e2 = z(l, 2) - kappa(l, 2)*z(l, 3)*z(l, 1)
          e3 = z(l, 3) - kappa(l, 3)*z(l, 1)*z(l, 2)
-         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), &
+         call sweep(quadratic, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), &
             e1, e2, e3)
-         call sweep(stretch, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), &
+         call sweep(quadratic, z(l, 1), z(l, 2), z(l, 3), kappa(l, 1), kappa(l, 2), kappa(l, 3), &
             e1, e2, e3)
          e(l, 1) = e1
          e(l, 2) = e2
@@ -142,11 +157,14 @@ contains
                      + merge(1.0_dp, 0.0_dp, size(l) > sweep_bound(3)) &
                      + merge(3.0_dp, 0.0_dp, size(l) > sweep_bound(4))
       end do
-      do k = 1, nint(largest(sweeps))
-         call newton(stretch, z, kappa, merge(1.0_dp, 0.0_dp, sweeps >= k), e, moved)
+      do k = 1, nint(largest(nvec, sweeps))
+         do l = 1, group*nvec
+            active(l) = merge(1.0_dp, 0.0_dp, sweeps(l) >= k)
+         end do
+         call newton(nvec, quadratic, z, kappa, active, e, moved)
       end do
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          ee = e(l, 1)**2 + e(l, 2)**2 + e(l, 3)**2
          found(l) = merge(1.0_dp, 0.0_dp, ee < 1 .and. moved(l) <= tolerance*ee)
       end do
@@ -155,35 +173,38 @@ contains
    !> Lanes without a root so far: near h |omega| = 1 the two roots of the plain map come together
    !> (on a sphere they meet there), and Newton's method halves its distance only. From e = z again,
    !> until a sweep no longer moves; a lane that leaves |e| < 4 is given up.
-   pure subroutine insist(stretch, z, kappa, e, found)
-      real(dp), intent(in) :: stretch, z(lanes, 3), kappa(lanes, 3)
+   pure subroutine iterate_further(nvec, quadratic, z, kappa, e, found)
+      integer, intent(in) :: nvec
+      real(dp), intent(in) :: quadratic, z(lanes, 3), kappa(lanes, 3)
       real(dp), intent(inout) :: e(lanes, 3), found(lanes)
-      real(dp) :: active(lanes), moved(lanes), ee(lanes)
-      integer :: j, k
+      real(dp) :: active(lanes), moved(lanes), ee
+      integer :: k, l
       integer, parameter :: most = 30 !! 2**-30: closer roots are one to a double
       real(dp), parameter :: tolerance(2) = [1e-24_dp, 1e-14_dp] !! where roots lie close, rounding
                                                                   !! moves a lane to the end
-      active = 1 - found
-      moved = 0
-      do j = 1, 3
-         e(:, j) = merge(z(:, j), e(:, j), active > 0)
+      do l = 1, group*nvec
+         active(l) = 1 - found(l)
+         moved(l) = 0
+         if (active(l) > 0) e(l, :) = z(l, :)
       end do
       do k = 1, most
-         call newton(stretch, z, kappa, active, e, moved)
-         ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
-         where (active > 0 .and. ee < 1 .and. &
-                moved <= tolerance(merge(1, 2, k < most))*ee) found = 1
-         active = merge(0.0_dp, active, found > 0 .or. ee > 16)
-         if (.not. largest(active) > 0) exit
+         call newton(nvec, quadratic, z, kappa, active, e, moved)
+         do l = 1, group*nvec
+            if (.not. active(l) > 0) cycle
+            ee = e(l, 1)**2 + e(l, 2)**2 + e(l, 3)**2
+            if (ee < 1 .and. moved(l) <= tolerance(merge(1, 2, k < most))*ee) found(l) = 1
+            if (found(l) > 0 .or. ee > 16) active(l) = 0
+         end do
+         if (.not. largest(nvec, active) > 0) exit
       end do
-   end subroutine insist
+   end subroutine iterate_further
 
    !> One sweep of the fixed-point iteration: gains one power of z.
-   pure subroutine sweep(stretch, z1, z2, z3, k1, k2, k3, e1, e2, e3)
-      real(dp), intent(in) :: stretch, z1, z2, z3, k1, k2, k3
+   pure subroutine sweep(quadratic, z1, z2, z3, k1, k2, k3, e1, e2, e3)
+      real(dp), intent(in) :: quadratic, z1, z2, z3, k1, k2, k3
       real(dp), intent(inout) :: e1, e2, e3
       real(dp) :: alpha, f1, f2
-      alpha = 1 + stretch*(e1*e1 + e2*e2 + e3*e3)
+      alpha = 1 + quadratic*(e1*e1 + e2*e2 + e3*e3)
       f1 = alpha*z1 - k1*e2*e3
       f2 = alpha*z2 - k2*e3*e1
       e3 = alpha*z3 - k3*e1*e2
@@ -192,16 +213,17 @@ contains
    end subroutine sweep
 
    !> One sweep of Newton's method; `moved` = how far a lane went in its last one, squared.
-   pure subroutine newton(stretch, z, kappa, active, e, moved)
-      real(dp), intent(in) :: stretch, z(lanes, 3), kappa(lanes, 3)
+   pure subroutine newton(nvec, quadratic, z, kappa, active, e, moved)
+      integer, intent(in) :: nvec
+      real(dp), intent(in) :: quadratic, z(lanes, 3), kappa(lanes, 3)
       real(dp), intent(in) :: active(lanes) !! 1: this lane moves, 0: it keeps its root
       real(dp), intent(inout) :: e(lanes, 3), moved(lanes)
       real(dp) :: f1, f2, f3, al, z1, z2, z3, k1, k2, k3, e1, e2, e3, d1, d2, d3
       real(dp) :: m11, m12, m13, m21, m22, m23, m31, m32, m33, c11, c12, c13, det, two
       integer :: l
-      two = 2*stretch
+      two = 2*quadratic
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          e1 = e(l, 1)
          e2 = e(l, 2)
          e3 = e(l, 3)
@@ -211,7 +233,7 @@ contains
          k1 = kappa(l, 1)
          k2 = kappa(l, 2)
          k3 = kappa(l, 3)
-         al = 1 + stretch*(e1*e1 + e2*e2 + e3*e3)
+         al = 1 + quadratic*(e1*e1 + e2*e2 + e3*e3)
          f1 = al*z1 - k1*e2*e3 - e1
          f2 = al*z2 - k2*e3*e1 - e2
          f3 = al*z3 - k3*e1*e2 - e3
@@ -228,22 +250,23 @@ contains
          c12 = m23*m31 - m21*m33
          c13 = m21*m32 - m22*m31
          det = m11*c11 + m12*c12 + m13*c13
-         det = active(l)/merge(det, 1.0_dp, abs(det) > 1e-8_dp)
+         det = active(l)/choose(below(1e-8_dp, abs(det)), det, 1.0_dp)
          d1 = det*(c11*f1 + (m13*m32 - m12*m33)*f2 + (m12*m23 - m13*m22)*f3)
          d2 = det*(c12*f1 + (m11*m33 - m13*m31)*f2 + (m13*m21 - m11*m23)*f3)
          d3 = det*(c13*f1 + (m12*m31 - m11*m32)*f2 + (m11*m22 - m12*m21)*f3)
          e(l, 1) = e1 + d1
          e(l, 2) = e2 + d2
          e(l, 3) = e3 + d3
-         moved(l) = merge(d1*d1 + d2*d2 + d3*d3, moved(l), active(l) > 0)
+         moved(l) = choose(below(0.0_dp, active(l)), d1*d1 + d2*d2 + d3*d3, moved(l))
       end do
    end subroutine newton
 
    !> Increments from the Cayley vector: y' = R(rho)^T y and q' = q o rho, rho = (1, e)/sqrt(1 +
    !> |e|^2); the momentum about the axis of the smallest moment by its own small increment.
-   pure subroutine apply(class, e, slip, y, q, dy, dq)
+   pure subroutine apply(nvec, class, e, loss, y, q, dy, dq)
+      integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: e(lanes, 3), slip(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(in) :: e(lanes, 3), loss(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       real(dp) :: e1, e2, e3, y1, y2, y3, u1, u2, u3, d2, d3, ee, k, root, half, r0, r1, r2, r3, &
          parity
@@ -253,7 +276,7 @@ contains
       i3 = class%order(3)
       parity = class%parity
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          e1 = e(l, 1)
          e2 = e(l, 2)
          e3 = e(l, 3)
@@ -267,7 +290,7 @@ contains
          u3 = k*((e1*y2 - e2*y1) - y3)
          d2 = e3*u1 - e1*u3
          d3 = e1*u2 - e2*u1
-         dy(l, i1) = -parity*(e2*slip(l)*(2*y3 + d3))
+         dy(l, i1) = -parity*(e2*loss(l)*(2*y3 + d3))
          dy(l, i2) = parity*d2
          dy(l, i3) = parity*d3
          root = sqrt(1 + ee)
@@ -282,5 +305,18 @@ contains
          dq(l, 1 + i3) = q(l, 1 + i3)*r0 + q(l, 1)*r3 + parity*(q(l, 1 + i1)*r2 - q(l, 1 + i2)*r1)
       end do
    end subroutine apply
+
+   !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
+   elemental real(dp) function choose(mask, a, b)
+      integer(i8), intent(in) :: mask
+      real(dp), intent(in) :: a, b
+      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
+   end function choose
+
+   !> Mask of x < y, both finite and neither negative.
+   elemental integer(i8) function below(x, y)
+      real(dp), intent(in) :: x, y
+      below = shifta(transfer(x, below) - transfer(y, below), 63)
+   end function below
 
 end module poinsot_free_moser_veselov

@@ -17,7 +17,7 @@
 !> each step, first order in its defect: y goes through Q^T P twice a step, and a defect that stays
 !> would make |y| drift linearly.
 module poinsot_free_rattle
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, group, groups, lanes
    use poinsot_core_lanes, only: largest, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
    use poinsot_body_class, only: body_class
@@ -203,24 +203,36 @@ contains
    !> Increments of a free step on (y, q): the method `rattle` of the registry. The same map as
    !> `dmv2`, by matrices: dy^ = (D (W + W^T) - (W + W^T) D)/h, dq from W - W^T. Order 2. Status as
    !> in rattle_start.
-   pure subroutine rattle_increment(class, terms, h, y, q, dy, dq, status)
+   pure subroutine rattle_increment(nvec, class, terms, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec                          !! groups of lanes to work on
       type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
       real(dp) :: even(lanes, 3, 3), axial(lanes, 3), step(lanes)
-      integer :: i, j, k
+      real(dp) :: hs(lanes), ys(lanes, 3), qs(lanes, 4)
+      integer :: all_status(lanes), i, j, k, n
       associate (unused => terms)
       end associate
-      call turn_of_step(class, h, y, even, axial, status)
-      step = merge(h, 1.0_dp, abs(h) > 0)
+      n = group*nvec                                       ! lanes behind these stand still
+      hs(:n) = h(:n)
+      ys(:n, :) = y(:n, :)
+      qs(:n, :) = q(:n, :)
+      all_status(:n) = status(:n)
+      hs(n + 1:) = 0
+      ys(n + 1:, :) = 0
+      qs(n + 1:, :) = 0
+      all_status(n + 1:) = poinsot_ok
+      call turn_of_step(class, hs, ys, even, axial, all_status)
+      status(:n) = all_status(:n)
+      step = merge(hs, 1.0_dp, abs(hs) > 0)
       do i = 1, 3
          j = 1 + mod(i, 3)
          k = 1 + mod(j, 3)
          dy(:, i) = (class%moments(j) - class%moments(k))*(2*even(:, j, k)/step)
       end do
-      call quaternion_change(even, axial, q, dq)
+      call quaternion_change(even, axial, qs, dq)
    end subroutine rattle_increment
 
    !> q o (rho - 1), rho the quaternion of W: 4 rho0^2 = 1 + trace W, 2 rho0 rho = axial. The turn
@@ -254,13 +266,13 @@ contains
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
       real(dp), intent(out) :: even(lanes, 3, 3), axial(lanes, 3)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), z(lanes, 3), e(lanes, 3), ratio(3), above
+      real(dp) :: w(lanes, 3), z(lanes, 3), e(lanes, 3), ratio(3)
       real(dp), dimension(lanes) :: p, r, live, found, ee
       integer :: j, k
 
-      call step_sizes(class, h, y, w, p, r, above)
+      call step_sizes(groups, class, h, y, w, p, r)
       live = merge(1.0_dp, 0.0_dp, p + r <= quarter_turn**2)
-      if (smallest(live) < 1) where (live < 1) status = poinsot_e_step
+      if (smallest(groups, live) < 1) where (live < 1) status = poinsot_e_step
       p = merge(p + r, 0.0_dp, live > 0)
       do j = 1, 3
          z(:, j) = 0.5_dp*merge(w(:, j), 0.0_dp, live > 0)
@@ -268,7 +280,7 @@ contains
       z(:, class%order) = class%parity*z
       call skew_ratios(class, ratio)
       call solve(ratio, p, z, e, found)
-      if (smallest(found) < 1) where (found < 1 &
+      if (smallest(groups, found) < 1) where (found < 1 &
          .and. status == poinsot_ok) status = poinsot_e_convergence
       ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
       do j = 1, 3
@@ -325,13 +337,13 @@ contains
                + merge(5, 0, size > sweep_bound(3))
       e = z
       moved = 0
-      do k = 1, nint(largest(sweeps))
+      do k = 1, nint(largest(groups, sweeps))
          call newton(ratio, z, merge(1.0_dp, 0.0_dp, sweeps >= k), e, moved)
       end do
       ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
       found = merge(1.0_dp, 0.0_dp, ee < 1 .and. moved <= tolerance*ee)
       do k = 1, more
-         if (smallest(found) >= 1) return
+         if (smallest(groups, found) >= 1) return
          call newton(ratio, z, merge(1.0_dp, 0.0_dp, found < 1 .and. ee < 16), e, moved)
          ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
          where (ee < 1 .and. moved <= merge(1e-24_dp, tolerance, k < more)*ee) found = 1

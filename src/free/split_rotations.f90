@@ -5,7 +5,7 @@
 !> with the smallest |1/Ia - 1/Ib| is the symmetric one, so that the method is exact for any two
 !> equal moments. Vilmart (2013), Algorithm 2 with the corrections of mathematics, section 1.
 module poinsot_free_split_rotations
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_lanes, only: largest
    use poinsot_core_status, only: poinsot_e_step
    use poinsot_body_class, only: body_class
@@ -23,7 +23,8 @@ contains
    !> pi/2, and where a part turns by more. The error grows like the largest moment over the
    !> smallest. A linear body turns exactly: turns about two of its axes would put momentum about
    !> the third, where there can be none.
-   pure subroutine three_rotations_increment(class, terms, h, y, q, dy, dq, status)
+   pure subroutine three_rotations_increment(nvec, class, terms, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec                          !! groups of lanes to work on
       type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
@@ -32,52 +33,57 @@ contains
       integer, parameter :: axis(5) = [3, 2, 1, 2, 3]
       real(dp), parameter :: part(5) = [0.5_dp, 0.5_dp, 1.0_dp, 0.5_dp, 0.5_dp]
       real(dp) :: hl(lanes), half(lanes)
-      integer :: k, j
+      integer :: k, j, n
 
-      hl = h
-      call refuse_long_steps(class, y, hl, status)
-      dy = 0
-      dq = 0
+      n = group*nvec
+      half = 0
+      hl(:n) = h(:n)
+      call refuse_long_steps(nvec, class, y, hl, status)
+      dy(:n, :) = 0
+      dq(:n, :) = 0
       if (any(.not. class%inverse > 0)) then
-         call turn_along_momentum(maxval(class%inverse), hl, y, q, dy, dq)
+         call turn_along_momentum(nvec, maxval(class%inverse), hl, y, q, dy, dq)
          return
       end if
       do k = 1, size(axis)
          j = axis(k)
-         half = (0.5_dp*part(k))*((y(:, j) + dy(:, j))*class%inverse(j)*hl)
-         call refuse_wide_turns(half, status)
-         call turn_about(j, half, y, q, dy, dq)
+         half(:n) = (0.5_dp*part(k))*((y(:n, j) + dy(:n, j))*class%inverse(j)*hl(:n))
+         call refuse_wide_turns(nvec, half, status)
+         call turn_about(nvec, j, half, y, q, dy, dq)
       end do
    end subroutine three_rotations_increment
 
    !> Increments of a step of the symmetric + rotation splitting: order 2. POINSOT_E_STEP for h
    !> |omega| > pi/2.
-   pure subroutine symmetric_rotation_increment(class, terms, h, y, q, dy, dq, status)
+   pure subroutine symmetric_rotation_increment(nvec, class, terms, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec                          !! groups of lanes to work on
       type(body_class), intent(in) :: class                !! of these bodies
       integer, intent(in) :: terms                         !! not used
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
       real(dp) :: hl(lanes), half(lanes), rest, beta
-      integer :: a, b, c
+      integer :: a, b, c, n
 
-      hl = h
-      call refuse_long_steps(class, y, hl, status)
-      dy = 0
-      dq = 0
+      n = group*nvec
+      half = 0
+      hl(:n) = h(:n)
+      call refuse_long_steps(nvec, class, y, hl, status)
+      dy(:n, :) = 0
+      dq(:n, :) = 0
       call symmetric_pair(class%inverse, a, b, c)
       rest = 0.25_dp*(class%inverse(a) - class%inverse(b))
       beta = 0.5_dp*(class%inverse(c) - class%inverse(b))
-      half = rest*(y(:, a) + dy(:, a))*hl
-      call refuse_wide_turns(half, status)
-      call turn_about(a, half, y, q, dy, dq)
-      call turn_along_momentum(class%inverse(b), hl, y, q, dy, dq)
-      half = beta*(y(:, c) + dy(:, c))*hl
-      call refuse_wide_turns(half, status)
-      call turn_about(c, half, y, q, dy, dq)
-      half = rest*(y(:, a) + dy(:, a))*hl
-      call refuse_wide_turns(half, status)
-      call turn_about(a, half, y, q, dy, dq)
+      half(:n) = rest*(y(:n, a) + dy(:n, a))*hl(:n)
+      call refuse_wide_turns(nvec, half, status)
+      call turn_about(nvec, a, half, y, q, dy, dq)
+      call turn_along_momentum(nvec, class%inverse(b), hl, y, q, dy, dq)
+      half(:n) = beta*(y(:n, c) + dy(:n, c))*hl(:n)
+      call refuse_wide_turns(nvec, half, status)
+      call turn_about(nvec, c, half, y, q, dy, dq)
+      half(:n) = rest*(y(:n, a) + dy(:n, a))*hl(:n)
+      call refuse_wide_turns(nvec, half, status)
+      call turn_about(nvec, a, half, y, q, dy, dq)
    end subroutine symmetric_rotation_increment
 
    !> Cyclic axes (a, b, c) with the smallest |1/Ia - 1/Ib|; ties go to the pair with the smallest
@@ -97,23 +103,28 @@ contains
    end subroutine symmetric_pair
 
    !> Set h = 0 and POINSOT_E_STEP where h |omega| > pi/2.
-   pure subroutine refuse_long_steps(class, y, h, status)
+   pure subroutine refuse_long_steps(nvec, class, y, h, status)
+      integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: h(lanes)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), p(lanes), r(lanes), above
-      call step_sizes(class, h, y, w, p, r, above)
-      if (above <= quarter_turn**2) return
-      where (p + r > quarter_turn**2)
-         status = poinsot_e_step
-         h = 0
+      real(dp) :: w(lanes, 3), p(lanes), r(lanes)
+      integer :: n
+      n = group*nvec
+      call step_sizes(nvec, class, h, y, w, p, r)
+      p(:n) = p(:n) + r(:n)
+      if (largest(nvec, p) <= quarter_turn**2) return
+      where (p(:n) > quarter_turn**2)
+         status(:n) = poinsot_e_step
+         h(:n) = 0
       end where
    end subroutine refuse_long_steps
 
    !> Turn y + dy and q + dq about body axis j by twice the angle `half`: y clockwise, q
    !> counter-clockwise.
-   pure subroutine turn_about(j, half, y, q, dy, dq)
+   pure subroutine turn_about(nvec, j, half, y, q, dy, dq)
+      integer, intent(in) :: nvec
       integer, intent(in) :: j
       real(dp), intent(in) :: half(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(inout) :: dy(lanes, 3), dq(lanes, 4)
@@ -123,7 +134,7 @@ contains
       b = 1 + mod(a, 3)
       call sincos_block(half, s, c)
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          e = 2*s(l)*s(l)
          f = 2*s(l)*c(l)
          ya = y(l, a) + dy(l, a)
@@ -145,25 +156,30 @@ contains
    !> Set the turn to 0 and POINSOT_E_STEP where it exceeds a quarter turn. The parts of a splitting
    !> may turn a thin body about its own axis by far more than it turns itself in the step: a part
    !> before leaves momentum there, and the moment is small.
-   pure subroutine refuse_wide_turns(half, status)
+   pure subroutine refuse_wide_turns(nvec, half, status)
+      integer, intent(in) :: nvec
       real(dp), intent(inout) :: half(lanes)
       integer, intent(inout) :: status(lanes)
-      if (largest(abs(half)) <= 0.5_dp*quarter_turn) return
-      where (abs(half) > 0.5_dp*quarter_turn)
-         status = poinsot_e_step
-         half = 0
+      integer :: n
+      n = group*nvec
+      if (.not. any(abs(half(:n)) > 0.5_dp*quarter_turn)) return
+      where (abs(half(:n)) > 0.5_dp*quarter_turn)
+         status(:n) = poinsot_e_step
+         half(:n) = 0
       end where
    end subroutine refuse_wide_turns
 
    !> Turn q + dq by the rotation vector h (y + dy)/I: the free flow of a spherical body.
-   pure subroutine turn_along_momentum(inverse, h, y, q, dy, dq)
+   pure subroutine turn_along_momentum(nvec, inverse, h, y, q, dy, dq)
+      integer, intent(in) :: nvec
       real(dp), intent(in) :: inverse, h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(in) :: dy(lanes, 3)
       real(dp), intent(inout) :: dq(lanes, 4)
       real(dp) :: half(lanes), s(lanes), c(lanes), v(lanes, 3), e, f, q0, q1, q2, q3
       integer :: l
+      half = 0
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          v(l, 1) = 0.5_dp*((y(l, 1) + dy(l, 1))*inverse*h(l))
          v(l, 2) = 0.5_dp*((y(l, 2) + dy(l, 2))*inverse*h(l))
          v(l, 3) = 0.5_dp*((y(l, 3) + dy(l, 3))*inverse*h(l))
@@ -171,7 +187,7 @@ contains
       end do
       call sincos_block(half, s, c)
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          f = merge(s(l), 1.0_dp, half(l) > 0)/merge(half(l), 1.0_dp, half(l) > 0)
          e = -(s(l)*s(l))/(1 + c(l))
          q0 = q(l, 1) + dq(l, 1)
