@@ -24,10 +24,120 @@ contains
    subroutine collect_body_series(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
       testsuite = [ &
+         new_unittest("series-from-tables", test_tables), &
+         new_unittest("class-is-small", test_size), &
          new_unittest("series-of-sn", test_sine), &
          new_unittest("series-economized", test_economy), &
          new_unittest("series-reach", test_reach)]
    end subroutine collect_body_series
+
+   !> P and R against the recursion of mathematics section 3 in quadruple precision, every kind of
+   !> body: within a few roundings of the sum of a coefficient's terms, degree by degree.
+   subroutine test_tables(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(random_stream) :: stream
+      type(body_class) :: class
+      type(poinsot_error) :: refusal
+      real(dp), dimension(0:max_degree, 0:max_degree) :: p, r
+      real(qp), dimension(0:max_degree, 0:max_degree) :: pq, rq
+      real(dp) :: bound
+      integer :: i, k, n
+      stream = start_stream(1974)
+      do k = 1, 60
+         call make_class(some_body(stream, k), class, refusal)
+         call accepted(error, refusal)
+         call recursion(real(class%a, qp), pq, rq)
+         call correction_series(class%a, max_degree, p, r)
+         do n = 0, start_degree
+            do i = 0, n
+               p(i, n) = 2*class%half_p(i, n - i)
+               r(i, n) = 2*class%half_r(i, n - i)
+            end do
+         end do
+         do n = 0, max_degree
+            bound = 4e-16_dp*1.7_dp**n*real(max(maxval(abs(pq(0:n, n))), maxval(abs(rq(0:n, n)))), &
+               dp) + 2e-17_dp*0.13_dp**n
+            call within(error, real(maxval(abs(p(0:n, n) - pq(0:n, n))), dp), bound, "P")
+            call within(error, real(maxval(abs(r(0:n, n) - rq(0:n, n))), dp), bound, "R")
+         end do
+      end do
+   end subroutine test_tables
+
+   !> 1 + P and 1 + R, column n the part of degree n, row i the power of p.
+   pure subroutine recursion(a, p, r)
+      real(qp), intent(in) :: a(3)
+      real(qp), intent(out), dimension(0:max_degree, 0:max_degree) :: p, r
+      real(qp), dimension(0:max_degree, 0:max_degree) :: f, g, k, q0, q1, q2, q3, rho, w
+      integer :: n
+      f = 0
+      g = 0
+      k = 0
+      q0 = 0
+      q1 = 0
+      q2 = 0
+      q3 = 0
+      f(0, 0) = 1
+      g(0, 0) = 1
+      q0(0, 0) = 1
+      do n = 0, max_degree
+         if (n > 0) then
+            f(:, n) = -a(1)/(2*n)*part(k, g, n - 1, 0)
+            g(:, n) = -a(3)/(2*n)*part(k, f, n - 1, 1)
+            q0(:, n) = -(part(q1, f, n - 1, 1) + part(q3, g, n - 1, 0) &
+               + part(q2, k, n - 2, 1))/(4*n)
+         end if
+         k(:, n) = a(2)/(2*n + 1)*part(f, g, n, 0)
+         q1(:, n) = (part(q0, f, n, 0) + part(q2, g, n - 1, 0) - part(q3, k, n - 1, 0))/(4*n + 2)
+         q3(:, n) = (part(q0, g, n, 0) + part(q1, k, n - 1, 1) - part(q2, f, n - 1, 1))/(4*n + 2)
+         q2(:, n) = (part(q0, k, n, 0) - part(q1, g, n, 0) + part(q3, f, n, 0))/(4*n + 4)
+         rho(:, n) = part(q0, q0, n, 0) - part(q1, q1, n - 1, 1) - part(q3, q3, n - 1, 0) &
+            + part(q2, q2, n - 2, 1)
+      end do
+      do n = 0, max_degree
+         w(:, n) = 2*(part(q0, q1, n, 0) - part(q2, q3, n - 1, 0))
+      end do
+      call quotient(rho, w, f, p)
+      do n = 0, max_degree
+         w(:, n) = 2*(part(q0, q3, n, 0) + part(q1, q2, n - 1, 1))
+      end do
+      call quotient(rho, w, g, r)
+   end subroutine recursion
+
+   !> The part of degree n of x y, times p^shift.
+   pure function part(x, y, n, shift)
+      real(qp), intent(in), dimension(0:max_degree, 0:max_degree) :: x, y
+      integer, intent(in) :: n, shift
+      real(qp) :: part(0:max_degree)
+      integer :: i, m
+      part = 0
+      do m = 0, n
+         do i = 0, m
+            part(i + shift:i + shift + n - m) = part(i + shift:i + shift + n - m) &
+               + x(i, m)*y(0:n - m, n - m)
+         end do
+      end do
+   end function part
+
+   !> x y / z, z beginning with 1, in powers of h^2 = 4 t^2.
+   pure subroutine quotient(x, y, z, c)
+      real(qp), intent(in), dimension(0:max_degree, 0:max_degree) :: x, y, z
+      real(qp), intent(out), dimension(0:max_degree, 0:max_degree) :: c
+      integer :: n
+      c = 0
+      do n = 0, max_degree
+         c(:, n) = part(x, y, n, 0) - part(c, z, n, 0)
+      end do
+      do n = 0, max_degree
+         c(:, n) = c(:, n)/4.0_qp**n
+      end do
+   end subroutine quotient
+
+   !> A plan may hold a hundred thousand classes.
+   subroutine test_size(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(body_class) :: class
+      call expect(error, storage_size(class)/8 <= 1200, "a class takes more than 1200 bytes")
+   end subroutine test_size
 
    !> T, W = S C D and the half angle by their polynomials.
    subroutine test_sine(error)

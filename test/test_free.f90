@@ -7,6 +7,7 @@ module test_free
    use poinsot_free_method, only: free_method, find_method
    use test_bodies, only: random_stream, start_stream, body_kinds, rate_bound, generic_moments, &
       random_quaternion
+   use test_free_lanes, only: collect_free_lanes
    use test_free_state, only: collect_free_state
    use test_free_tools, only: method_names, method_orders, approximate_count, generic, start, &
       start_q, turn_body, text, library_map, worst_of_kind, worst_of_hard, worst_of_map
@@ -25,8 +26,9 @@ contains
    !> Tests of the free rotors.
    subroutine collect_free(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: state(:)
+      type(unittest_type), allocatable :: state(:), in_lanes(:)
       call collect_free_state(state)
+      call collect_free_lanes(in_lanes)
       testsuite = [ &
          new_unittest("registry", test_registry), &
          new_unittest("orders", test_orders), &
@@ -40,7 +42,8 @@ contains
          new_unittest("data-dmv16", test_data_dmv), &
          new_unittest("hard-bodies", test_hard), &
          new_unittest("hard-bodies-jacobi", test_hard_jacobi), &
-         state]
+         state, &
+         in_lanes]
    end subroutine collect_free
 
    ! The methods
