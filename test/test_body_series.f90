@@ -56,7 +56,7 @@ contains
          end do
          do n = 0, max_degree
             bound = 4e-16_dp*1.7_dp**n*real(max(maxval(abs(pq(0:n, n))), maxval(abs(rq(0:n, n)))), &
-               dp) + 2e-17_dp*0.13_dp**n
+               dp) + 2e-16_dp*0.2_dp**n
             call within(error, real(maxval(abs(p(0:n, n) - pq(0:n, n))), dp), bound, "P")
             call within(error, real(maxval(abs(r(0:n, n) - rq(0:n, n))), dp), bound, "R")
          end do
