@@ -77,7 +77,7 @@ contains
       real(dp) :: accepted(3)
       type(lane_constants) :: c
       real(dp), dimension(0:max_degree, 0:max_degree) :: p, r
-      real(dp) :: block(lanes, 3)
+      real(dp) :: copies(lanes, 3)
 
       accepted = moments
       call accept_moments(accepted, error, physical)
@@ -96,8 +96,8 @@ contains
          accepted(class%order(2)) = accepted(class%order(3))
          accepted(class%order(1)) = 0
       end if
-      block(:group, :) = spread(accepted, 1, group)
-      call make_constants(1, block, c)
+      copies(:group, :) = spread(accepted, 1, group)
+      call make_constants(1, copies, c)
       call take_first(c, class)
       call correction_series(class%a, max_degree, p, r)
       class%reach = reach_of(class, p, r)

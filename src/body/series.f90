@@ -7,7 +7,9 @@
 !> nearly spherical and nearly linear bodies cost no digits. R is the mirror image of P.
 module poinsot_body_series
    use poinsot_core_kinds, only: dp
-   use poinsot_body_series_table
+   use poinsot_body_series_table, only: table_degree, even_5, even_6, even_7, even_8, even_9, &
+      even_10, even_11, even_12, even_13, odd_5, odd_6, odd_7, odd_8, odd_9, odd_10, odd_11, &
+      odd_12, odd_13
    implicit none(type, external)
    private
    public :: max_degree, first_tabulated, correction_series, degree_bound
