@@ -5,7 +5,6 @@ module app_reproduce
    use poinsot_core_nearest, only: suggestion
    use poinsot_scene_files, only: make_folder
    use poinsot_scene_text, only: joined
-   use poinsot_study_plots, only: either
    use poinsot_study_repeat_celledoni, only: repeat_celledoni
    use poinsot_study_repeat_fasso, only: repeat_fasso
    use poinsot_study_repeat_hairer, only: repeat_hairer
@@ -94,8 +93,10 @@ contains
       words%at(1)%text = "free-body"
       words%at(2)%text = "--out"
       words%at(3)%text = out
-      words%at(4)%text = either("--quiet", "--out=" // out, options%quiet)
-      words%at(5)%text = either("--out=" // out, "--no-pictures", options%pictures)
+      words%at(4)%text = "--out=" // out
+      words%at(5)%text = "--out=" // out
+      if (options%quiet) words%at(4)%text = "--quiet"
+      if (.not. options%pictures) words%at(5)%text = "--no-pictures"
       call command_run(words, code)
    end subroutine run_book
 

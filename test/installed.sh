@@ -133,11 +133,20 @@ scene_pictures() {
    for name in attitude momentum drift nutation tilt angle temperature momenta; do
       [ -s "${scene%.nml}/$name.png" ] && [ -s "${scene%.nml}/$name.svg" ] || { cat "${scene%.nml}"/*.log; return 1; }
    done
+   printf '%s\n' "name,setting,angle,worst,momentum,worst,time" "\`touch run-by-name\` 'x' \"<&\$(touch run-by-name)@{_^,1,1e-3,1e-2,1e-3,1e-2,900" \
+      "\`touch run-by-name\` 'x' \"<&\$(touch run-by-name)@{_^,2,1e-5,1e-4,1e-5,1e-4,9000" >build/installed/run/rivals.csv
+   "$prefix/bin/poinsot" cost "$scene" --quiet --budget 2s --splittings srkn6 --rivals build/installed/run/rivals.csv \
+      --out "${scene%.nml}-cost" || return 1
+   for name in attitude_cost momentum_cost attitude_step; do
+      [ -s "${scene%.nml}-cost/$name.png" ] && [ -s "${scene%.nml}-cost/$name.svg" ] || { cat "${scene%.nml}"-cost/*.log; return 1; }
+   done
    cp -r "${scene%.nml}" build/installed/run/moved
    for script in build/installed/run/moved/plot_*.gp; do
       said=$(cd build/installed/run/moved && gnuplot "${script##*/}" 2>&1)
       [ -z "$said" ] || { echo "$script: $said"; return 1; }
    done
+   ! have "$PYTHON" || "$PYTHON" -c "import sys, xml.dom.minidom as xml
+for file in sys.argv[1:]: xml.parse(file)" "${scene%.nml}"/*.svg "${scene%.nml}"-cost/*.svg || return 1
    if find . -name run-by-name | grep .; then return 1; fi
 }
 # Every script that a study writes is drawn; gnuplot leaves a log where it complains.

@@ -19,7 +19,6 @@ module test_study
    use poinsot_study_cost_curves, only: find_curve
    use poinsot_study_efficient, only: frontier_part, frontier_parts
    use poinsot_study_errors, only: attitude_error
-   use poinsot_study_labels, only: label_list, label_place, take_curve, place_label
    use poinsot_study_members, only: member_set, draw_members, any_direction
    use poinsot_study_quadruple, only: turn_freely
    use poinsot_study_rivals, only: rival_point, read_rivals, rival_names, rival_time
@@ -49,7 +48,6 @@ contains
          new_unittest("frontier and its names", names_of_frontier), &
          new_unittest("rivals from files", rivals_read), &
          new_unittest("rivals: damaged files are refused", rivals_refused), &
-         new_unittest("labels lie beside curves, not on each other", labels_apart), &
          new_unittest("a curve ends where rounding begins", curve_ends)]
    end subroutine collect_study
 
@@ -392,37 +390,6 @@ contains
       write (unit) text
       close (unit)
    end subroutine put_file
-
-   !> Twelve names for a bundle of twelve curves.
-   subroutine labels_apart(error)
-      type(error_type), allocatable, intent(out) :: error
-      type(label_list) :: labels
-      type(label_place) :: place
-      real(dp) :: x(5), y(5, 12)
-      integer :: i, k
-      x = [0.1_dp, 0.3_dp, 0.5_dp, 0.7_dp, 0.9_dp]
-      do k = 1, size(y, 2)
-         y(:, k) = 0.1_dp + 0.8_dp*x + 0.01_dp*k*(x - 0.5_dp)
-         call take_curve(labels, x, y(:, k), k)
-      end do
-      do k = 1, size(y, 2)
-         call place_label(labels, x, y(:, k), 12, k, place)
-         call check(error, place%penalty < 100, "a free place")
-         if (allocated(error)) return
-      end do
-      call check(error, labels%boxes == 12 .and. all(labels%box(:, :12) > 0) .and. &
-                 all(labels%box(:, :12) < 1.02_dp), "within the picture")
-      if (allocated(error)) return
-      do i = 1, 12
-         do k = 1, i - 1
-            call check(error, labels%box(2, i) < labels%box(1, k) .or. &
-                       labels%box(2, k) < labels%box(1, i) .or. &
-                       labels%box(4, i) < labels%box(3, k) .or. &
-                       labels%box(4, k) < labels%box(3, i), "two names on one place")
-            if (allocated(error)) return
-         end do
-      end do
-   end subroutine labels_apart
 
    !> Order 4 down to rounding, then noise; order 2 that is still on its way; an exact one.
    subroutine curve_ends(error)

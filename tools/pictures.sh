@@ -14,16 +14,9 @@ pictures=$PWD/docs/pictures
 command -v gnuplot >/dev/null || { echo "tools/pictures.sh: needs gnuplot" >&2; exit 1; }
 mkdir -p "$pictures"
 
-# draw FOLDER PICTURE NAME [WIDTH]: PICTURE of the study in FOLDER as docs/pictures/NAME.png. The scripts draw for a screen
-# of many dots; here fewer.
+# draw FOLDER PICTURE NAME [WIDTH]: PICTURE of the run or study in FOLDER as docs/pictures/NAME.png, so many dots wide.
 draw() {
-   awk -v width="${4:-960}" '/set terminal pngcairo/ {
-      match($0, /size [0-9]+,[0-9]+/); split(substr($0, RSTART + 5, RLENGTH - 5), extent, ",")
-      scale = width/extent[1]
-      sub(/size [0-9]+,[0-9]+/, "size " width "," int(extent[2]*scale))
-      sub(/fontscale 2 linewidth 2 pointscale 2/, "fontscale " 2*scale " linewidth " 2*scale " pointscale " 2*scale)
-   } { sub(/kind in .svg pngcairo./, "kind in \"pngcairo\""); print }' "$work/$1/plot_$2.gp" >"$work/$1/docs.gp"
-   (cd "$work/$1" && gnuplot docs.gp && mv "$2.png" "$pictures/$3.png")
+   (cd "$work/$1" && gnuplot -e "kinds = 'pngcairo'; dots = ${4:-960}" "plot_$2.gp" && mv "$2.png" "$pictures/$3.png")
    echo "docs/pictures/$3.png   $(wc -c <"$pictures/$3.png") bytes"
 }
 

@@ -9,6 +9,7 @@ module poinsot_study_cost_files
    use poinsot_scene_summary, only: brief_number
    use poinsot_scene_text, only: text_of
    use poinsot_study_candidates, only: label_of
+   use poinsot_study_cost_curves, only: find_curve
    use poinsot_study_cost_data, only: cost_study, cost_request, few
    use poinsot_study_cost_point, only: cost_point, cheapest, middle, worst, of_angle, of_momentum, &
       of_both, error_of, slope_of
@@ -23,7 +24,7 @@ module poinsot_study_cost_files
       "angle_median,angle_worst,angle_own,momentum_median,momentum_worst,momentum_own," // &
       "energy_median,energy_worst,energy_own,drift_median,drift_worst,drift_own," // &
       "ns_per_step,ns_least,ns_spread,single_ns_per_step,single_spread,repeats," // &
-      "ns_per_time,single_ns_per_time,good,front_angle,front_momentum"
+      "ns_per_time,single_ns_per_time,good,front_angle,front_momentum,shown_angle,shown_momentum"
 
 contains
 
@@ -33,12 +34,21 @@ contains
       type(cost_study), intent(in) :: study
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
-      integer :: i
+      logical :: shown(size(study%points), of_angle:of_momentum)
+      integer :: i, k, first, last
       call open_out(path, file, error)
       if (raised(error)) return
+      shown = .false.
+      do k = 1, size(study%candidates)
+         do i = of_angle, of_momentum
+            call find_curve(study, k, i, first, last)
+            if (first > 0) shown(first:last, i) = .true.
+         end do
+      end do
       call put(file, columns, error)
       do i = 1, size(study%points)
-         call put(file, line_of(study, study%points(i)), error)
+         call put(file, line_of(study, study%points(i)) // "," // flag(shown(i, of_angle)) // &
+                  "," // flag(shown(i, of_momentum)), error)
       end do
       call finish_out(file, error)
    end subroutine write_points

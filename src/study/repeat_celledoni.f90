@@ -8,7 +8,6 @@ module poinsot_study_repeat_celledoni
    use poinsot_core_status, only: poinsot_e_convergence
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
-   use poinsot_scene_plots_common, only: put_lines, put_end
    use poinsot_scene_reader, only: scan_source
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_source, only: scene_source
@@ -16,9 +15,6 @@ module poinsot_study_repeat_celledoni
    use poinsot_scene_watch, only: run_watch
    use poinsot_study_candidates, only: any_name
    use poinsot_study_choose, only: choose_request, choice, choose_method
-   use poinsot_study_cost_curves, only: put_name
-   use poinsot_study_labels, only: label_list, axis, take_curve, fraction_of
-   use poinsot_study_plots, only: put_terminals, strong_colour, strong_point, nice_above
    implicit none(type, external)
    private
    public :: repeat_celledoni
@@ -30,8 +26,8 @@ module poinsot_study_repeat_celledoni
 
 contains
 
-   !> Measure, write celledoni.csv, .txt and the picture's script into a folder that is there; it
-   !> takes at most about `budget` seconds. Error: POINSOT_E_IO.
+   !> Measure, write celledoni.csv and celledoni.txt into a folder that is there; it takes at most
+   !> about `budget` seconds. Error: POINSOT_E_IO.
    subroutine repeat_celledoni(out, budget, watch, error, fewer)
       character(*), intent(in) :: out
       real(dp), intent(in) :: budget
@@ -62,7 +58,6 @@ contains
       end do
       if (.not. raised(error)) call write_table(out, found, error)
       if (.not. raised(error)) call write_words(out, found, error)
-      if (.not. raised(error)) call write_plot(out, found, error)
    end subroutine repeat_celledoni
 
    !> A top of kinetic energy about 0.75 that turns ten times, under a weight; an ensemble, so that
@@ -154,76 +149,5 @@ contains
       call put(file, trim(line), error)
       call finish_out(file, error)
    end subroutine write_words
-
-   !> Time with each rotor over time with the exact one.
-   subroutine write_plot(out, found, error)
-      character(*), intent(in) :: out
-      type(choice), intent(in) :: found(:, :)
-      type(poinsot_error), intent(inout) :: error
-      type(out_file) :: file
-      type(axis) :: x, y
-      real(dp) :: most
-      integer :: i, m
-      most = 2
-      do m = 1, size(rotors)
-         do i = 1, size(weights)
-            most = max(most, over_exact(found, i, m))
-         end do
-      end do
-      x = axis(0.5_dp*minval(energies(weights)), 20*maxval(energies(weights))) ! room for names
-      y = axis(0.6_dp, nice_above(1.2_dp*most))
-      call open_out(out // "/plot_celledoni.gp", file, error)
-      if (raised(error)) return
-      call put_terminals(file, "celledoni", 820, 500, error)
-      call put_lines(file, [character(120) :: "file = 'celledoni.csv'", &
-         "set logscale xy; set format x '10^{%T}'; set format y '%g'", &
-         "set border 3; set tics nomirror out; unset key; set grid lc rgb '#ececec' lt 1 lw 0.7", &
-         "set tmargin 3; set rmargin 3", &
-         "set ytics (0.7, 1, 2, 5, 10, 20, 50, 100, 200, 500)", &
-         "set xlabel 'kinetic energy over energy of the torque'", &
-         "set ylabel 'time over that with exact, error 1e-6'", &
-         "set label 'when the exact rotor pays inside a splitting' at graph 0, graph 1.06 " // &
-         "font ',14'", &
-         "set label 'slow body, strong torque' at graph 0.01, graph 0.03 " // &
-         "tc rgb '#606060' font ',10'", &
-         "set label 'fast spin, weak torque' at graph 0.99, graph 0.03 right " // &
-         "tc rgb '#606060' font ',10'", &
-         "set label '1: exact' at graph 0.99, first 1.13 right tc rgb '#606060' font ',10'"], error)
-      call put(file, "set xrange [" // text_of(x%from) // ":" // text_of(x%to) // &
-               "]; set yrange [" // text_of(y%from) // ":" // text_of(y%to) // "]", error)
-      call name_curves(file, found, x, y, error)
-      call put(file, "plot 1 with lines lw 3 lc rgb '#c8c8c8', \", error)
-      do m = 2, size(rotors)
-         call put(file, "   file skip 1 using (stringcolumn(2) eq '" // trim(rotors(m)) // &
-                  "' && $8 > 0 ? $1 : NaN):8 with linespoints pt " // text_of(strong_point(m)) // &
-                  " ps 0.8 lw 1.6 lc rgb '" // strong_colour(m) // "', \", error)
-      end do
-      call put(file, "   NaN notitle", error)
-      call put_end(file, error)
-      call finish_out(file, error)
-   end subroutine write_plot
-
-   !> Names at the right ends of the curves.
-   subroutine name_curves(file, found, x, y, error)
-      type(out_file), intent(in) :: file
-      type(choice), intent(in) :: found(:, :)
-      type(axis), intent(in) :: x, y
-      type(poinsot_error), intent(inout) :: error
-      type(label_list) :: labels
-      real(dp) :: px(size(weights)), py(size(weights))
-      integer :: i, m, pass
-      do pass = 1, 2
-         do m = 2, size(rotors)
-            do i = 1, size(weights)
-               px(i) = fraction_of(x, energies(weights(i)))
-               py(i) = fraction_of(y, over_exact(found, i, m))
-            end do
-            if (pass == 1) call take_curve(labels, px, py, m)
-            i = maxloc(px, 1, mask=py > 0)
-            if (pass == 2 .and. i > 0) call put_name(file, trim(rotors(m)), "", strong_colour(m), &
-                                                     px(i:i), py(i:i), m, labels, error)
-         end do
-      end do
-   end subroutine name_curves
 
 end module poinsot_study_repeat_celledoni

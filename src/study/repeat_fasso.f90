@@ -6,12 +6,10 @@ module poinsot_study_repeat_fasso
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_rotation_random, only: random_direction
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
-   use poinsot_scene_plots_common, only: put_lines, put_end
+   use poinsot_scene_plot_data, only: put_variable
    use poinsot_scene_summary, only: brief_number
-   use poinsot_scene_text, only: text_of
    use poinsot_study_errors, only: attitude_error
    use poinsot_study_free_trial, only: run_block
-   use poinsot_study_plots, only: put_terminals
    use poinsot_study_statistics, only: median, quantile
    implicit none(type, external)
    private
@@ -26,7 +24,7 @@ module poinsot_study_repeat_fasso
 
 contains
 
-   !> Measure, write fasso.csv, fasso.txt and the picture's script into a folder that is there.
+   !> Measure, write fasso.csv, fasso.txt and fasso.gp into a folder that is there.
    !> Error: POINSOT_E_IO.
    subroutine repeat_fasso(out, error, cells)
       character(*), intent(in) :: out
@@ -51,7 +49,7 @@ contains
       end do
       call finish_out(file, error)
       if (.not. raised(error)) call write_words(out, found, error)
-      if (.not. raised(error)) call write_plot(out, found, side, error)
+      if (.not. raised(error)) call write_variables(out, found, side, error)
    end subroutine repeat_fasso
 
    function columns() result(text)
@@ -137,61 +135,26 @@ contains
       call finish_out(file, error)
    end subroutine write_words
 
-   !> Six triangles of one scale.
-   subroutine write_plot(out, found, side, error)
+   !> What the picture's script needs to know: cells along an edge, and between which errors 9 bodies
+   !> in 10 lie, a text for each method.
+   subroutine write_variables(out, found, side, error)
       character(*), intent(in) :: out
       real(dp), intent(in) :: found(:, :)
       integer, intent(in) :: side
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
+      character(40) :: ranges(size(methods))
       integer :: m
-      call open_out(out // "/plot_fasso.gp", file, error)
+      call open_out(out // "/fasso.gp", file, error)
       if (raised(error)) return
-      call put_terminals(file, "fasso", 960, 600, error)
-      call put_lines(file, [character(130) :: "file = 'fasso.csv'", &
-         "set multiplot", "unset key; unset border; unset tics; set size ratio -1", &
-         "set lmargin 0; set rmargin 0; set tmargin 0; set bmargin 0", &
-         "set xrange [-0.06:1.06]; set yrange [-0.12:1.02]", "set cbrange [-9:-1]", &
-         "# one hue from pale to dark: grey paper and all eyes see the same order", &
-         "set palette defined (0 '#f7f4e8', 1 '#d9d3a4', 2 '#9fbf8f', 3 '#5aa08c', " // &
-         "4 '#2f7d86', 5 '#245778', 6 '#1f3358', 7 '#140f26')", &
-         "unset colorbox; set format cb '10^{%.0f}'; set cbtics -9,2,-1", &
-         "# points cover the triangle; what they cover beside it is covered in white", &
-         "set style fill solid noborder", &
-         "set object 1 polygon from -0.05,0 to 1.05,0 to 1.05,-0.03 to -0.05,-0.03 to -0.05,0 " // &
-         "fc rgb 'white' front", &
-         "set object 2 polygon from 0,0 to 0.5,0.8660254 to 0.5,0.9 to -0.05,0.01 to -0.05,0 " // &
-         "to 0,0 fc rgb 'white' front", &
-         "set object 3 polygon from 1,0 to 0.5,0.8660254 to 0.5,0.9 to 1.05,0.01 to 1.05,0 " // &
-         "to 1,0 fc rgb 'white' front", &
-         "set object 4 polygon from 0,0 to 1,0 to 0.5,0.8660254 to 0,0 fs empty " // &
-         "border rgb '#7d7d7d' front lw 1"], error)
       do m = 1, size(methods)
-         call put(file, "set origin " // text_of(0.0_dp + 0.285_dp*mod(m - 1, 3)) // "," // &
-                  text_of(merge(0.5_dp, 0.0_dp, m <= 3)) // "; set size 0.285,0.5", error)
-         call put(file, "unset label; unset arrow", error)
-         call put(file, "set label '" // trim(methods(m)) // &
-                  "' at 0.5,1.0 center font ',13' front", error)
-         call put(file, "set label '" // brief_number(quantile(found(m, :), 0.05_dp)) // &
-                  " to " // brief_number(quantile(found(m, :), 0.95_dp)) // &
-                  " for 9 bodies in 10' at 0.5,0.93 center font ',9' tc rgb '#505050' front", error)
-         call put_lines(file, [character(130) :: &
-            "set label 'all mass on axis 1' at -0.02,-0.06 left font ',8' tc rgb '#505050' front", &
-            "set label 'on axis 2' at 1.02,-0.06 right font ',8' tc rgb '#505050' front", &
-            "set label 'axis 3' at 0.56,0.86 left font ',8' tc rgb '#505050' front"], error)
-         if (m == 1) call put_lines(file, [character(130) :: &
-            "# moments in ratio 1 : 3/4 : 1/4: mass 0, 1/4, 3/4 along the axes", &
-            "set label ""moments\n1, 3/4, 1/4"" at 0.8,0.76 font ',9' tc rgb '#a03000' front", &
-            "set arrow 1 from 0.79,0.74 to 0.645,0.66 lc rgb '#a03000' lw 1.2 front"], error)
-         if (m == size(methods)) call put_lines(file, [character(130) :: &
-            "set colorbox vertical user origin 0.905,0.15 size 0.02,0.7", &
-            "set cblabel 'error in attitude after 10 radians, h|omega| = 0.1'"], error)
-         call put(file, "plot file skip 1 using 1:2:(log10($" // text_of(5 + m) // &
-                  ")) with points pt 7 ps " // text_of(45.0_dp/side) // " lc palette", error)
+         ranges(m) = brief_number(quantile(found(m, :), 0.05_dp)) // " to " // &
+                     brief_number(quantile(found(m, :), 0.95_dp))
       end do
-      call put(file, "unset multiplot", error)
-      call put_end(file, error)
+      call put_variable(file, "side", side, error)
+      call put_variable(file, "methods", methods, error)
+      call put_variable(file, "ranges", ranges, error)
       call finish_out(file, error)
-   end subroutine write_plot
+   end subroutine write_variables
 
 end module poinsot_study_repeat_fasso

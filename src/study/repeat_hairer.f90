@@ -5,15 +5,10 @@ module poinsot_study_repeat_hairer
    use poinsot_core_kinds, only: dp, i8, lanes, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
-   use poinsot_scene_plots_common, only: put_lines, put_end
    use poinsot_scene_summary, only: brief_number
    use poinsot_scene_text, only: text_of
-   use poinsot_study_cost_curves, only: put_name
    use poinsot_study_errors, only: attitude_error
    use poinsot_study_free_trial, only: run_block
-   use poinsot_study_labels, only: label_list, axis, take_curve, fraction_of
-   use poinsot_study_plots, only: put_terminals, strong_colour, strong_point, nice_below, &
-      nice_above, either
    use poinsot_study_quadruple, only: turn_freely
    use poinsot_study_statistics, only: median
    implicit none(type, external)
@@ -35,7 +30,7 @@ module poinsot_study_repeat_hairer
 
 contains
 
-   !> Measure, write hairer-vilmart.csv, .txt and the picture's script into a folder that is there.
+   !> Measure, write hairer-vilmart.csv and hairer-vilmart.txt into a folder that is there.
    !> Error: POINSOT_E_IO.
    subroutine repeat_hairer(out, error, finest)
       character(*), intent(in) :: out
@@ -57,7 +52,6 @@ contains
       end do
       call finish_out(file, error)
       if (.not. raised(error)) call write_words(out, found, error)
-      if (.not. raised(error)) call write_plot(out, found, error)
    end subroutine repeat_hairer
 
    !> One line, if the method comes through: a block of 32 copies, time of one.
@@ -142,88 +136,5 @@ contains
          end do
       end associate
    end function slope_of
-
-   !> Left the first body, right the second; error of the attitude against time of the run.
-   subroutine write_plot(out, found, error)
-      character(*), intent(in) :: out
-      type(comparison), intent(in) :: found
-      type(poinsot_error), intent(inout) :: error
-      type(out_file) :: file
-      type(axis) :: x, y
-      integer :: m, body
-      x = axis(nice_below(0.3_dp*minval(found%time, mask=found%time > 0)), &
-               nice_above(6*maxval(found%time)))
-      y = axis(1e-16_dp, 10.0_dp)
-      call open_out(out // "/plot_hairer-vilmart.gp", file, error)
-      if (raised(error)) return
-      call put_terminals(file, "hairer-vilmart", 960, 470, error)
-      call put_lines(file, [character(110) :: "file = 'hairer-vilmart.csv'", &
-         "set multiplot", "set logscale xy; set format x '10^{%T}'; set format y '10^{%T}'", &
-         "set border 3; set tics nomirror out; unset key; set grid lc rgb '#ececec' lt 1 lw 0.7", &
-         "set tmargin 2.5; set bmargin 3.5", &
-         "set xlabel 'time of the run to t = 10, microseconds a body'"], error)
-      call put(file, "set xrange [" // text_of(x%from) // ":" // text_of(x%to) // &
-               "]; set yrange [" // text_of(y%from) // ":" // text_of(y%to) // "]", error)
-      do body = 1, 2
-         call put(file, "unset label; unset arrow", error)
-         if (body == 1) then
-            call put_lines(file, [character(80) :: &
-               "set lmargin at screen 0.11; set rmargin at screen 0.515", &
-               "set ylabel 'error in attitude at t = 10, radians'", &
-               "set label 'moments 0.6, 0.8, 1' at graph 0, graph 1.05 font ',13'"], error)
-         else
-            call put_lines(file, [character(80) :: &
-               "set lmargin at screen 0.58; set rmargin at screen 0.985; unset ylabel", &
-               "set label 'moments 0.345, 0.653, 1' at graph 0, graph 1.05 font ',13'"], error)
-         end if
-         call name_curves(file, found, body, x, y, error)
-         do m = 1, size(methods)
-            call put(file, either("plot ", "   ", m == 1) // &
-                     "file skip 1 using (stringcolumn(1) eq '" // text_of(body) // &
-                     "' && stringcolumn(2) eq '" // trim(methods(m)) // &
-                     "' ? $8 : NaN):6 with linespoints pt " // text_of(strong_point(m)) // &
-                     " ps 0.6 lw 1.4 lc rgb '" // strong_colour(m) // "', \", error)
-         end do
-         call put(file, "   NaN notitle", error)
-      end do
-      call put(file, "unset multiplot", error)
-      call put_end(file, error)
-      call finish_out(file, error)
-   end subroutine write_plot
-
-   subroutine name_curves(file, found, body, x, y, error)
-      type(out_file), intent(in) :: file
-      type(comparison), intent(in) :: found
-      integer, intent(in) :: body
-      type(axis), intent(in) :: x, y
-      type(poinsot_error), intent(inout) :: error
-      type(label_list) :: labels
-      real(dp), allocatable :: px(:), py(:)
-      integer :: m
-      labels%letter = 1.8_dp*labels%letter ! two pictures side by side: each is half as wide
-      do m = 1, size(methods)
-         call curve_in_picture(found, m, body, x, y, px, py)
-         call take_curve(labels, px, py, m)
-      end do
-      do m = 1, size(methods)
-         call curve_in_picture(found, m, body, x, y, px, py)
-         call put_name(file, trim(methods(m)), "", strong_colour(m), px, py, m, labels, error)
-      end do
-   end subroutine name_curves
-
-   !> In fractions of the picture.
-   subroutine curve_in_picture(found, m, body, x, y, px, py)
-      type(comparison), intent(in) :: found
-      integer, intent(in) :: m, body
-      type(axis), intent(in) :: x, y
-      real(dp), allocatable, intent(out) :: px(:), py(:)
-      integer :: k
-      allocate (px(0), py(0))
-      do k = coarsest, usual_finest
-         if (.not. found%time(k, m, body) > 0) cycle
-         px = [px, fraction_of(x, found%time(k, m, body))]
-         py = [py, fraction_of(y, found%attitude(k, m, body))]
-      end do
-   end subroutine curve_in_picture
 
 end module poinsot_study_repeat_hairer

@@ -1,24 +1,38 @@
-# Names beside the right ends of curves, moved up and down until none lies on another; a thin line leads from each curve to its
-# name. Before: ends of them, array end_x and end_y (fractions of the graph), end_text, end_colour; gap, the least distance.
+# Names of curves at their ends, moved up and down until none lies on another; a thin line leads from an end to a name that had to
+# move. Before: ends of them, array end_x and end_y (fractions of the graph), end_text, end_colour; gap and letter, the height
+# and the width of a letter as such fractions; beside: 1 names stand beside the ends, 0 all of them right of the graph.
+# After: overhang, by how many letters names stand out on the right.
 array place[ends]
-array order[ends]
-do for [k=1:ends] { place[k] = end_y[k]; order[k] = k }
-do for [i=2:ends] {
-   do for [j=ends:i:-1] {
-      if (end_y[order[j]] > end_y[order[j-1]]) { swap = order[j]; order[j] = order[j-1]; order[j-1] = swap }
-   }
+array name_x[ends]
+overhang = 0
+do for [k=1:ends] {
+   place[k] = end_y[k]
+   name_x[k] = beside ? end_x[k] + 1.2*letter : 1.03
+   overhang = larger(overhang, (name_x[k] - 1)/letter + strlen(end_text[k]))
 }
-do for [pass=1:60] {
-   place[order[1]] = smaller(place[order[1]], 1)
-   place[order[ends]] = larger(place[order[ends]], 0)
-   do for [i=2:ends] {
-      lack = gap - (place[order[i-1]] - place[order[i]])
-      if (lack > 0) { place[order[i-1]] = place[order[i-1]] + 0.5*lack; place[order[i]] = place[order[i]] - 0.5*lack }
+meet(i, j) = abs(place[i] - place[j]) < gap && name_x[i] < name_x[j] + letter*(strlen(end_text[j]) + 1) && \
+   name_x[j] < name_x[i] + letter*(strlen(end_text[i]) + 1)
+# From the top down to the middle, then from the bottom up: each name moves past those before it that it would lie on.
+array done[ends]
+do for [k=1:ends] { done[k] = 0 }
+do for [n=1:ends] {
+   next = 0; best = -2
+   do for [k=1:ends] {
+      if (!done[k] && (end_y[k] >= 0.5 ? 1 + end_y[k] : -end_y[k]) > best) { next = k; best = end_y[k] >= 0.5 ? 1 + end_y[k] : -end_y[k] }
    }
+   step = end_y[next] >= 0.5 ? -0.1*gap : 0.1*gap
+   do for [try=1:400] {
+      free = 1
+      do for [k=1:ends] { if (done[k] && meet(next, k)) { free = 0 } }
+      if (free) { break }
+      place[next] = place[next] + step
+   }
+   done[next] = 1
 }
 do for [k=1:ends] {
-   set label 100+k end_text[k] at graph 1.03, graph place[k] left tc rgb end_colour[k] font ',10' noenhanced front
-   if (end_x[k] < 0.99 || abs(place[k] - end_y[k]) > 0.3*gap) {
-      set arrow 100+k from graph end_x[k]+0.004, graph end_y[k] to graph 1.025, graph place[k] nohead lw 0.5 lc rgb end_colour[k]
+   set label 100+k end_text[k] at graph name_x[k], graph place[k] left tc rgb end_colour[k] font ',10' noenhanced front
+   if (name_x[k] - end_x[k] > 2*letter || abs(place[k] - end_y[k]) > 0.6*gap) {
+      set arrow 100+k from graph end_x[k]+0.3*letter, graph end_y[k] to graph name_x[k]-0.3*letter, graph place[k] \
+         nohead lw 0.8 dt 3 lc rgb end_colour[k]
    }
 }

@@ -20,7 +20,7 @@ do for [kind in kinds] {
    set multiplot layout 1,3 margins 0.02,0.98,0.24,0.9 spacing 0.03,0
    do for [j=1:3] {
       set title sprintf('axis %d', j) offset 0,-0.6
-      set xlabel sprintf("I_%d {/Symbol w}_%d / {/Symbol \326}(I_%d kT)", j, j, j)
+      set xlabel sprintf('I_%d ω_%d / √(I_%d kT)', j, j, j)
       if (most[j] > 0) {
          plot file skip 1 every ::last using (bin(scaled(j))):(1.0/bodies/width) smooth frequency \
                with boxes fs solid 1 border lc rgb '#ffffff' fc rgb pale, \
