@@ -105,8 +105,8 @@ contains
       end do
    end subroutine shipped_integrals
 
-   !> The third integral is there exactly for Lagrange's and Kovalevskaya's tops; what pulls sideways,
-   !> works, or turns otherwise takes integrals away.
+   !> The third integral is there exactly for Lagrange's and Kovalevskaya's tops; what pulls
+   !> sideways, works, or turns otherwise takes integrals away.
    subroutine top_integrals(error)
       type(error_type), allocatable, intent(out) :: error
       character(*), parameter :: texts(9) = [character(120) :: &

@@ -135,8 +135,8 @@ contains
       call finish_out(file, error)
    end subroutine write_words
 
-   !> What the picture's script needs to know: cells along an edge, and between which errors 9 bodies
-   !> in 10 lie, a text for each method.
+   !> What the picture's script needs to know: cells along an edge, and between which errors 9
+   !> bodies in 10 lie, a text for each method.
    subroutine write_variables(out, found, side, error)
       character(*), intent(in) :: out
       real(dp), intent(in) :: found(:, :)
