@@ -55,7 +55,8 @@ do for [kind in kinds] {
    eval logarithmic
    set label 1 title('what accuracy costs') at graph 0, graph 1.05 font ',14' noenhanced
    if (strlen(scene) < 24) {
-      set label 2 'band: our fastest for each accuracy; bars: to the worst state' at screen 0.985, graph 1.05 right tc rgb '#606060' font ',10'
+      set label 2 'band: our fastest for each accuracy; bars: to the worst state' at screen 0.985, graph 1.05 right \
+         tc rgb '#606060' font ',10'
    }
    set xrange [left:right]; set yrange [bottom:top]; unset mxtics
    set xlabel sprintf('error in %s, at t = %g (median of %d states)', quantity, t_end, states)
@@ -73,7 +74,8 @@ do for [kind in kinds] {
       '' skip 1 using (in_sight(1) && few ? e(1) : NaN):25 with points pt 7 ps 0.25 lc rgb '#9a9a9a', \
       for [k=1:rivals] rival_file skip 1 using (strcol(1) eq rival_name[k] ? at_least(column(rival)) : NaN):4 \
          with linespoints dt 2 pt 2 ps 0.5 lw 1.3 lc rgb '#555555', \
-      for [k=1:strong] 'cost.csv' skip 1 using (label(1) eq names[k] && ok(1) && column(on_front) > 0 ? e(1) : NaN):25:(e(1)):worst \
+      for [k=1:strong] 'cost.csv' skip 1 \
+         using (label(1) eq names[k] && ok(1) && column(on_front) > 0 ? e(1) : NaN):25:(e(1)):worst \
          with xerrorbars pt 0 lw 0.8 lc rgb colour(k), \
       for [k=1:strong] 'cost.csv' skip 1 using (label(1) eq names[k] && ok(1) ? e(1) : NaN):25 \
          with linespoints pt shape(k) ps 0.7 lw 1.8 lc rgb colour(k)

@@ -1,6 +1,6 @@
-# Names of curves at their ends, moved up and down until none lies on another; a thin line leads from an end to a name that had to
-# move. Before: ends of them, array end_x and end_y (fractions of the graph), end_text, end_colour; gap and letter, the height
-# and the width of a letter as such fractions; beside: 1 names stand beside the ends, 0 all of them right of the graph.
+# Names of curves at their ends, none on another; a thin line leads from an end to a name that had to move.
+# Before: ends of them, arrays end_x and end_y (fractions of the graph), end_text, end_colour; gap and letter, the height and the
+# width of a letter as such fractions; beside: 1 names stand beside the ends, 0 all of them right of the graph.
 # After: overhang, by how many letters names stand out on the right.
 array place[ends]
 array name_x[ends]
@@ -12,20 +12,18 @@ do for [k=1:ends] {
 }
 meet(i, j) = abs(place[i] - place[j]) < gap && name_x[i] < name_x[j] + letter*(strlen(end_text[j]) + 1) && \
    name_x[j] < name_x[i] + letter*(strlen(end_text[i]) + 1)
-# From the top down to the middle, then from the bottom up: each name moves past those before it that it would lie on.
+
+# From the top down: each name goes to the free place that is nearest to its end.
 array done[ends]
 do for [k=1:ends] { done[k] = 0 }
 do for [n=1:ends] {
-   next = 0; best = -2
-   do for [k=1:ends] {
-      if (!done[k] && (end_y[k] >= 0.5 ? 1 + end_y[k] : -end_y[k]) > best) { next = k; best = end_y[k] >= 0.5 ? 1 + end_y[k] : -end_y[k] }
-   }
-   step = end_y[next] >= 0.5 ? -0.1*gap : 0.1*gap
-   do for [try=1:400] {
-      free = 1
+   next = 0
+   do for [k=1:ends] { if (!done[k] && (next == 0 || end_y[k] > end_y[next > 0 ? next : k])) { next = k } }
+   do for [try=0:400] {
+      place[next] = end_y[next] + (try%2 ? -0.05 : 0.05)*gap*try
+      free = place[next] > 0 && place[next] < 1.02
       do for [k=1:ends] { if (done[k] && meet(next, k)) { free = 0 } }
       if (free) { break }
-      place[next] = place[next] + step
    }
    done[next] = 1
 }

@@ -39,11 +39,19 @@ py(x,y,z) = -cos(az)*sin(el)*x - sin(az)*sin(el)*y + cos(el)*z
 depth(x,y,z) = cos(az)*cos(el)*x + sin(az)*cos(el)*y + sin(el)*z
 near(x,y,z) = depth(x,y,z) >= 0 ? px(x,y,z) : NaN
 far(x,y,z) = depth(x,y,z) < 0 ? px(x,y,z) : NaN
-sphere = "set size ratio -1; unset border; unset tics; unset key; set xrange [-1.18:1.18]; set yrange [-1.18:1.18]; set samples 361"
+sphere = "set size ratio -1; unset border; unset tics; unset key; " . \
+   "set xrange [-1.18:1.18]; set yrange [-1.18:1.18]; set samples 361"
 
-# For plot: its meridians and parallels every 30 degrees, and its outline.
+# For plot: its meridians and parallels every 30 degrees, on the far side and on the near one, and its outline.
 MX(s,k) = cos(s)*cos(k*pi/6)
 MY(s,k) = cos(s)*sin(k*pi/6)
-wires_far = "for [k=0:5] [s=0:2*pi] '+' using (far(MX($1,k),MY($1,k),sin($1))):(py(MX($1,k),MY($1,k),sin($1))) with lines lc rgb '#efefef', for [k=-2:2] [s=0:2*pi] '+' using (far(MX($1,k),sin($1)*cos(k*pi/6),sin(k*pi/6))):(py(MX($1,k),sin($1)*cos(k*pi/6),sin(k*pi/6))) with lines lc rgb '#efefef'"
-wires_near = "for [k=0:5] [s=0:2*pi] '+' using (near(MX($1,k),MY($1,k),sin($1))):(py(MX($1,k),MY($1,k),sin($1))) with lines lc rgb '#d9d9d9', for [k=-2:2] [s=0:2*pi] '+' using (near(MX($1,k),sin($1)*cos(k*pi/6),sin(k*pi/6))):(py(MX($1,k),sin($1)*cos(k*pi/6),sin(k*pi/6))) with lines lc rgb '#d9d9d9'"
+PZ(k) = sin(k*pi/6)
+wires_far = "for [k=0:5] [s=0:2*pi] '+' using (far(MX($1,k),MY($1,k),sin($1))):(py(MX($1,k),MY($1,k),sin($1)))" . \
+   " with lines lc rgb '#efefef', " . \
+   "for [k=-2:2] [s=0:2*pi] '+' using (far(MX($1,k),sin($1)*cos(k*pi/6),PZ(k))):(py(MX($1,k),sin($1)*cos(k*pi/6),PZ(k)))" . \
+   " with lines lc rgb '#efefef'"
+wires_near = "for [k=0:5] [s=0:2*pi] '+' using (near(MX($1,k),MY($1,k),sin($1))):(py(MX($1,k),MY($1,k),sin($1)))" . \
+   " with lines lc rgb '#d9d9d9', " . \
+   "for [k=-2:2] [s=0:2*pi] '+' using (near(MX($1,k),sin($1)*cos(k*pi/6),PZ(k))):(py(MX($1,k),sin($1)*cos(k*pi/6),PZ(k)))" . \
+   " with lines lc rgb '#d9d9d9'"
 outline = "for [k=1:1] [s=0:2*pi] '+' using (cos($1)):(sin($1)) with lines lc rgb '#9a9a9a' lw 1"

@@ -47,7 +47,9 @@ do for [kind in kinds] {
       set ylabel sprintf('body; a lane is %.3g degrees to either side', widest)
       set yrange [lanes+0.6:0.4]; set ytics ()
       do for [k=1:lanes] { set ytics add (sprintf('%d', number[k]) k) }
-      if (bodies > lanes) { set label 2 sprintf('the first %d of %d bodies', lanes, bodies) at graph 1, graph 1.05 right tc rgb '#555555' }
+      if (bodies > lanes) {
+         set label 2 sprintf('the first %d of %d bodies', lanes, bodies) at graph 1, graph 1.05 right tc rgb '#555555'
+      }
       plot for [k=1:lanes] k with lines lc rgb '#dddddd' lw 0.8, \
          for [k=1:lanes] file skip 1 every bodies::k-1 using (start(1), $1):(k - 0.46/widest*angle(1)) with lines lc rgb dark lw 1.4
    }

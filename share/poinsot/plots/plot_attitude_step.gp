@@ -33,7 +33,8 @@ do for [kind in kinds] {
    eval begin(kind, 'attitude_step', 820, 560)
    eval logarithmic
    set label 1 title('error against step') at graph 0, graph 1.05 font ',14' noenhanced
-   set label 2 (few ? '' : 'exact rotation; ') . 'names with their slopes' at screen 0.985, graph 1.05 right tc rgb '#606060' font ',10'
+   set label 2 (few ? '' : 'exact rotation; ') . 'names with their slopes' at screen 0.985, graph 1.05 right \
+      tc rgb '#606060' font ',10'
    set xrange [left:right]; set yrange [bottom:top]
    set xlabel 'step h'
    set ylabel sprintf('error in attitude, radians, at t = %g (median)', t_end)

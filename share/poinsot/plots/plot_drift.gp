@@ -8,7 +8,8 @@ title(s) = s eq 'energy' ? 'the energy' : s eq 'work' ? 'the energy (there is wo
    s eq 'rotating' ? 'T + U - W.L in the turning frame' : s eq 'length' ? '|y|' : s eq 'momentum' ? 'Q y' : \
    s eq 'vertical' ? 'Q y along z' : s eq 'symmetry' ? 'y along the axis of symmetry' : \
    s eq 'kovalevskaya' ? "Kovalevskaya's integral" : '|q|'
-whose(s) = bodies == 1 ? '' : summed(s) ? sprintf(', %d bodies together', bodies) : sprintf(': of the %d bodies the one that changed most', bodies)
+whose(s) = bodies == 1 ? '' : summed(s) ? \
+   sprintf(', %d bodies together', bodies) : sprintf(': of the %d bodies the one that changed most', bodies)
 summed(s) = s eq 'energy' || s eq 'work' || s eq 'rotating'
 L1(k) = X(column(7), column(8), column(9))
 L2(k) = Y(column(7), column(8), column(9))
@@ -73,7 +74,8 @@ do for [kind in kinds] {
    set datafile missing NaN
    unset key; set border 3; set tics nomirror out
    set xrange [t_first : t_last]; set xtics tick(t_last - t_first, 7) format ''
-   set multiplot layout strips,1 margins 0.14,0.96,1.0*65/(110*strips + 80),1 - 35.0/(110*strips + 80) spacing 0,36.0/(110*strips + 80)
+   high = 110.0*strips + 80
+   set multiplot layout strips,1 margins 0.14,0.96,65/high,1 - 35/high spacing 0,36/high
    do for [i=1:strips] {
       s = word(kept, i)
       set yrange [-1.15*m[i] : 1.15*m[i]]

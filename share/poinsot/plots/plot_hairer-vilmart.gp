@@ -15,7 +15,8 @@ array end_x[20]
 array end_y[20]
 array end_text[20]
 array end_colour[20]
-stats file skip 1 using (column(1) == 1 && strcol(2) ne name ? (ends = ends + 1, name = strcol(2), end_text[ends] = name, 1) : 0) nooutput
+stats file skip 1 using (column(1) == 1 && strcol(2) ne name ? (ends = ends + 1, name = strcol(2), end_text[ends] = name, 1) : 0) \
+   nooutput
 do for [k=1:ends] { end_colour[k] = colour(k) }
 
 do for [kind in kinds] {

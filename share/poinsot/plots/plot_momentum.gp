@@ -54,7 +54,11 @@ C1x(s,k,g) = nx(g*up(s,k,p), k/5.0*cos(s), k/5.0*p*sin(s))
 C1y(s,k,g) = ny(g*up(s,k,p), k/5.0*cos(s), k/5.0*p*sin(s))
 C3x(s,k,g) = nx(k/5.0*q*sin(s), k/5.0*cos(s), g*up(s,k,q))
 C3y(s,k,g) = ny(k/5.0*q*sin(s), k/5.0*cos(s), g*up(s,k,q))
-lines = "for [g=-1:1:2] for [k=1:4] [s=0:2*pi] '+' using (C1x($1,k,g)):(C1y($1,k,g)) with lines lc rgb '#7d7d7d' lw 0.8, for [g=-1:1:2] for [k=1:4] [s=0:2*pi] '+' using (C3x($1,k,g)):(C3y($1,k,g)) with lines lc rgb '#7d7d7d' lw 0.8, for [g=-1:1:2] [s=0:2*pi] '+' using (nx(g*q*cos($1),sin($1),p*cos($1))):(ny(g*q*cos($1),sin($1),p*cos($1))) with lines lc rgb '#7d7d7d' lw 1.6 dt 2"
+SX(s,g) = nx(g*q*cos(s), sin(s), p*cos(s))
+SY(s,g) = ny(g*q*cos(s), sin(s), p*cos(s))
+lines = "for [g=-1:1:2] for [k=1:4] [s=0:2*pi] '+' using (C1x($1,k,g)):(C1y($1,k,g)) with lines lc rgb '#7d7d7d' lw 0.8, " . \
+   "for [g=-1:1:2] for [k=1:4] [s=0:2*pi] '+' using (C3x($1,k,g)):(C3y($1,k,g)) with lines lc rgb '#7d7d7d' lw 0.8, " . \
+   "for [g=-1:1:2] [s=0:2*pi] '+' using (SX($1,g)):(SY($1,g)) with lines lc rgb '#7d7d7d' lw 1.6 dt 2"
 background = contours ? outline . ', ' . lines : wires_far . ', ' . wires_near . ', ' . outline
 
 side(x,y,z) = depth(x,y,z) >= 0 ? 1 : -1
@@ -68,7 +72,8 @@ do for [kind in kinds] {
    set style textbox opaque noborder fillcolor rgb '#ffffff' margins 0.6,0.4
    do for [j=1:3] {
       g = side(j==1,j==2,j==3)
-      set label j name(j,g) at g*px(j==1,j==2,j==3),g*py(j==1,j==2,j==3) center boxed front offset hides(j) ? 2.2 : 0, hides(j) ? 0.6 : 0
+      set label j name(j,g) at g*px(j==1,j==2,j==3),g*py(j==1,j==2,j==3) center boxed front \
+         offset hides(j) ? 2.2 : 0, hides(j) ? 0.6 : 0
    }
    if (bodies > 1) { set label 4 sprintf('body %d', b) at -1.12,1.12 tc rgb '#555555' }
    plot @background, \

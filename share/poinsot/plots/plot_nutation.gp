@@ -30,8 +30,10 @@ do for [kind in kinds] {
    plot @wires_far, @wires_near, @outline, \
       file skip 1 every bodies::body using (far(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) with lines lc rgb pale lw 1.4, \
       '' skip 1 every bodies::body using (near(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) with lines lc rgb dark lw 1.9, \
-      '' skip 1 every ::body::body using (far(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) with points pt 6 ps 1.2 lw 1.6 lc rgb dark, \
-      '' skip 1 every ::body::body using (near(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) with points pt 7 ps 1.5 lc rgb '#ffffff', \
+      '' skip 1 every ::body::body using (far(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) with points pt 6 ps 1.2 lw 1.6 \
+         lc rgb dark, \
+      '' skip 1 every ::body::body using (near(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) with points pt 7 ps 1.5 \
+         lc rgb '#ffffff', \
       '' skip 1 every ::body::body using (near(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) with points pt 7 ps 1.1 lc rgb dark
    unset arrow 1; unset label 1; unset label 2; set size noratio; set border 3
    set lmargin at screen 0.57; set rmargin at screen 0.965; set bmargin at screen 0.14; set tmargin at screen 0.93

@@ -30,7 +30,9 @@ do for [kind in kinds] {
    set xtics tick(t_last - t_first, 7)
    gap = 0.055; letter = 0.0105; beside = 1
    if (bodies > 1) { load 'ends.gp' }
-   if (bodies > ends) { set label 1 sprintf('the first %d of %d bodies', ends, bodies) at graph 1, graph 1.06 right tc rgb '#555555' }
+   if (bodies > ends) {
+      set label 1 sprintf('the first %d of %d bodies', ends, bodies) at graph 1, graph 1.06 right tc rgb '#555555'
+   }
    plot for [k=1:ends] file skip 1 every bodies::k-1 using 1:(theta(1)) with lines lw 1.6 dt 1+(k-1)/8 lc rgb colour(k)
    unset output
 }

@@ -5,6 +5,7 @@ load 'common.gp'
 set datafile separator ','
 label(k) = strcol(2) eq '-' ? strcol(1) : strcol(1) . ' + ' . strcol(2)
 at_least(x) = larger(x, 1e-17)   # no error is beyond the end of an axis
-logarithmic = "set logscale xy; set format x '10^{%T}'; set format y '10^{%T}'; set border 3; set tics nomirror out; unset key; set grid lc rgb '#ececec' lt 1 lw 0.7; set tmargin 3"
+logarithmic = "set logscale xy; set format x '10^{%T}'; set format y '10^{%T}'; set border 3; " . \
+   "set tics nomirror out; unset key; set grid lc rgb '#ececec' lt 1 lw 0.7; set tmargin 3"
 title(what) = (strlen(scene) > 32 ? scene[1:30] . '...' : scene) . ': ' . what
 fraction(x, from, to) = log(x/from)/log(to/from)
