@@ -44,8 +44,7 @@ keep(s) = s eq 'momentum' ? (start_2[place(1)] = L2(1), start_3[place(1)] = L3(1
 change(s, x) = (is_first(1) ? (start_1[place(1)] = x, keep(s)) : 0, s eq 'momentum' ? \
    length(x - start_1[place(1)], L2(1) - start_2[place(1)], L3(1) - start_3[place(1)]) : x - start_1[place(1)])
 gathered(s, d) = summed(s) ? (place(1) == 1 ? 0 : so_far) + d : place(1) == 1 || abs(d) > abs(so_far) ? d : so_far
-drift(s) = (so_far = gathered(s, change(s, amount(s))/unit(s)), place(1) == bodies ? so_far : NaN)
-set datafile missing NaN
+drift(s) = so_far = gathered(s, change(s, amount(s))/unit(s))
 
 # Largest |y| of each body, largest energies of a frame.
 array unit_y[bodies]
@@ -54,24 +53,28 @@ of_frame(x) = so_far = (place(1) == 1 ? 0 : so_far) + x
 so_far = 0
 stats file skip 1 using (unit_y[place(1)] = larger(unit_y[place(1)], length(column(7), column(8), column(9))), \
    of_frame(abs(column(10)) + abs(column(11)))) name 'E' nooutput
-stats file skip 1 using (of_frame(abs(turning(1)))) name 'R' nooutput
+R_max = 0
+if (strstrt(kept, 'rotating')) { stats file skip 1 using (of_frame(abs(turning(1)))) name 'R' nooutput }
 unit_t = E_max > 0 ? E_max : 1
 unit_r = E_max + R_max > 0 ? E_max + R_max : 1
 do for [k=1:bodies] { unit_y[k] = unit_y[k] > 0 ? unit_y[k] : 1 }
 if (strstrt(kept, 'kovalevskaya')) { stats file skip 1 using (size_k(column(2))) name 'K' nooutput; unit_k = K_max > 0 ? K_max : 1 }
 
+# A block of data for each strip: t, and the change at the last row of each frame.
 strips = words(kept)
 array m[strips]
 do for [i=1:strips] {
    s = word(kept, i)
-   stats file skip 1 using (drift(s)) name 'D' nooutput
+   eval sprintf('set table $strip_%d separator comma', i)
+   plot file skip 1 using 1:(drift(s)) with table if (place(1) == bodies)
+   unset table
+   eval sprintf("stats $strip_%d using 2 name 'D' nooutput", i)
    m[i] = larger(1e-17, larger(abs(D_min), abs(D_max)))
 }
 
 do for [kind in kinds] {
    if (!can_draw(kind)) { continue }
    eval begin(kind, 'drift', 720, 110*strips + 80)
-   set datafile missing NaN
    unset key; set border 3; set tics nomirror out
    set xrange [t_first : t_last]; set xtics tick(t_last - t_first, 7) format ''
    high = 110.0*strips + 80
@@ -82,7 +85,7 @@ do for [kind in kinds] {
       set ytics (sprintf('%.0e', m[i]) m[i], '0' 0, sprintf('%.0e', -m[i]) -m[i])
       set label 1 'change of ' . title(s) . whose(s) at graph 0.01, graph 1.1 noenhanced
       if (i == strips) { set xlabel 't'; set xtics format '%g' }
-      plot file skip 1 using 1:(drift(s)) with lines lc rgb dark lw 1
+      eval sprintf('plot $strip_%d using 1:2 with lines lc rgb dark lw 1', i)
    }
    unset multiplot
    unset output
