@@ -127,8 +127,8 @@ contains
    !> What the user has under the names of outputs stays: used names are refused, others left alone.
    subroutine test_own_files(error)
       type(error_type), allocatable, intent(out) :: error
-      character(16), parameter :: names(5) = [character(16) :: "trajectory.csv", "trajectory.xyz", &
-         "momentum.png", "restart.txt", "plot_drift.gp"]
+      character(16), parameter :: names(6) = [character(16) :: "trajectory.csv", "trajectory.xyz", &
+         "momentum.png", "restart.txt", "plot_drift.gp", "common.gp"]
       type(poinsot_error) :: failure
       integer :: i
       do i = 1, size(names)

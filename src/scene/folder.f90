@@ -5,7 +5,7 @@ module poinsot_scene_folder
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene
    use poinsot_scene_files, only: file_exists, make_folder, real_path, remove_file
-   use poinsot_scene_pictures, only: picture_files, picture_names
+   use poinsot_scene_pictures, only: picture_files, scene_files
    use poinsot_scene_settings, only: scene_settings
    implicit none(type, external)
    private
@@ -142,19 +142,16 @@ contains
    subroutine run_files(scene, names)
       type(scene_settings), intent(in) :: scene !! the typed scene
       type(file_name), allocatable, intent(out) :: names(:)
-      character(16), allocatable :: pictures(:)
+      character(40), allocatable :: pictures(:)
       integer :: i
       call append(names, "summary.txt")
       if (.not. scene%output%present) return
       if (scene%output%csv) call append(names, "trajectory.csv")
       if (scene%output%extxyz) call append(names, "trajectory.xyz")
       if (len(scene%output%restart) > 0) call append(names, scene%output%restart)
-      call picture_names(scene, pictures)
+      call scene_files(scene, pictures)
       do i = 1, size(pictures)
-         call append(names, "plot_" // trim(pictures(i)) // ".gp")
-         if (.not. scene%output%draw) cycle
-         call append(names, trim(pictures(i)) // ".svg")
-         call append(names, trim(pictures(i)) // ".png")
+         call append(names, trim(pictures(i)))
       end do
    end subroutine run_files
 

@@ -11,7 +11,7 @@ module poinsot_scene_pictures
    use poinsot_scene_text, only: next_word
    implicit none(type, external)
    private
-   public :: write_pictures, picture_names, picture_files
+   public :: write_pictures, picture_names, picture_files, scene_files
 
    character(*), parameter :: all_names(8) = [character(16) :: "attitude", "momentum", "drift", &
                                               "nutation", "tilt", "angle", "temperature", "momenta"]
@@ -64,6 +64,25 @@ contains
       end subroutine add
 
    end subroutine picture_names
+
+   !> Every file that drawing this scene writes: scripts, what they share, and pictures if they are
+   !> drawn.
+   subroutine scene_files(scene, names)
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(40), allocatable, intent(out) :: names(:)
+      character(16), allocatable :: pictures(:)
+      integer :: i
+      call picture_names(scene, pictures)
+      allocate (names(0))
+      if (size(pictures) > 0) names = [character(40) :: shared(:3)]
+      if (any(pictures == "tilt" .or. pictures == "angle")) names = [character(40) :: names, &
+                                                                     shared(4)]
+      do i = 1, size(pictures)
+         names = [character(40) :: names, "plot_" // trim(pictures(i)) // ".gp"]
+         if (scene%output%draw) names = [character(40) :: names, trim(pictures(i)) // ".svg", &
+                                         trim(pictures(i)) // ".png"]
+      end do
+   end subroutine scene_files
 
    !> Every file that drawing may leave, of this scene or another.
    subroutine picture_files(names)
@@ -135,7 +154,7 @@ contains
             axes(j, j, g) = 1
          end do
          if (scene%bodies(g)%turned) axes(:, :, g) = scene%bodies(g)%axes
-         wheels(:, g) = matmul(wheel_of(scene, g), axes(:, :, g))
+         wheels(:, g) = scene%bodies(g)%rotor
       end do
       call put(file, "# groups of bodies: the last body of each; three moments; principal " // &
                "axes in the given frame,", error)
@@ -148,27 +167,6 @@ contains
       call put_variable(file, "wheels", reshape(wheels, [size(wheels)]), error)
       call put_variable(file, "turned", merge(1, 0, scene%bodies%turned), error)
    end subroutine put_groups
-
-   !> Momentum of the wheels of a group's bodies, in the given frame.
-   pure function wheel_of(scene, group) result(wheel)
-      type(scene_settings), intent(in) :: scene
-      integer, intent(in) :: group
-      real(dp) :: wheel(3), rotor(3)
-      integer :: i, k, class
-      wheel = 0
-      do i = 1, size(scene%effects)
-         if (scene%effects(i)%name /= "gyrostat") cycle
-         class = 0
-         rotor = 0
-         associate (settings => scene%effects(i)%settings)
-            do k = 1, size(settings)
-               if (settings(k)%key == "class") class = nint(settings(k)%values(1))
-               if (settings(k)%key == "rotor") rotor = settings(k)%values
-            end do
-         end associate
-         if (class == 0 .or. class == group) wheel = wheel + rotor
-      end do
-   end function wheel_of
 
    !> What stays constant.
    subroutine put_integrals(scene, file, error)
