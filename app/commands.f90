@@ -7,7 +7,7 @@ module app_commands
    use app_help, only: command, table, show_help, show_command_help
    use app_terminal, only: print_error
    use app_version, only: show_version
-   use app_run, only: command_run
+   use app_run, only: command_run, command_view
    use app_cost, only: command_cost
    use app_measured, only: command_properties, command_hard
    use app_choose, only: command_choose
@@ -82,6 +82,8 @@ contains
       select case (name)
       case ("run")
          call command_run(words, code, ranks)
+      case ("view")
+         call command_view(words, code)
       case ("cost")
          call command_cost(words, code)
       case ("choose")

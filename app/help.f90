@@ -11,8 +11,9 @@ module app_help
       character(60) :: about
    end type command
 
-   type(command), parameter :: table(11) = [ &
-      command("run", "run a scene: trajectory, summary, restart, pictures"), &
+   type(command), parameter :: table(12) = [ &
+      command("run", "run a scene: trajectory, summary, pictures, page to watch"), &
+      command("view", "the motion in a browser: a run's page anew, or a scene's"), &
       command("cost", "what accuracy costs in time, on a scene"), &
       command("choose", "the cheapest method and step that meet a tolerance"), &
       command("reproduce", "published comparisons once more, as pictures"), &
@@ -55,6 +56,8 @@ contains
       select case (name)
       case ("run")
          call help_run()
+      case ("view")
+         call help_view()
       case ("cost")
          call help_cost()
       case ("choose")
@@ -174,6 +177,7 @@ contains
          "                          bodies(2).KEY names the second &bodies group", &
          "   --check                check the scene, say what it would do, run nothing", &
          "   --no-pictures          write the plot scripts, do not run gnuplot", &
+         "   --no-view              no view.html", &
          "   --quiet                print errors only", &
          "", &
          "Output, all of it text:", &
@@ -182,11 +186,28 @@ contains
          "   trajectory.xyz    extended XYZ, for OVITO (&output format = 'extxyz')", &
          "   restart.txt       the state to the bit: continue with --set scene.from=FILE", &
          "   plot_*.gp         gnuplot scripts; their pictures too where gnuplot is found", &
+         "   view.html         the motion, to watch in any browser; it needs no network", &
          "", &
          "q is a unit quaternion, scalar first, from body to space; y the angular momentum in", &
          "the body frame. Interrupted (Ctrl-C), a run ends at the next step with all its files", &
          "readable and a restart; the summary says so, and the exit code is 1."])
    end subroutine help_run
+
+   subroutine help_view()
+      call put([character(100) :: &
+         "poinsot view FOLDER", &
+         "poinsot view SCENE [OPTIONS]", &
+         "", &
+         "FOLDER is that of a run: its page view.html is made anew, from the data that stand in", &
+         "it. SCENE is run for its page alone; the options are those of run. Prints where the", &
+         "page is: open it in a browser. It holds everything it needs and asks nothing of a", &
+         "network.", &
+         "", &
+         "Left the body with its axes, momentum and angular velocity; right, for a free body,", &
+         "Poinsot's construction: the inertia ellipsoid rolling on the invariable plane. Below", &
+         "momenta, energies, and what should stay constant. Drag to turn; space stops and goes;", &
+         "view.html?t=3 opens at t = 3. At most 40 bodies and 2000 states are shown."])
+   end subroutine help_view
 
    subroutine help_cost()
       call put([character(100) :: &

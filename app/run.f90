@@ -20,22 +20,24 @@ module app_run
    use app_arguments, only: word, word_list, option_value, is_option, append_word
    use app_codes, only: exit_ok, exit_runtime, exit_usage, exit_of_run
    use app_draw, only: draw_pictures, show_file
+   use app_view, only: find_template, remake_page
+   use poinsot_scene_view, only: page_name
    use app_find_scene, only: find_scene, missing_scene, shipped_scenes
    use app_progress, only: progress_watch
    use app_terminal, only: say, print_error, error_is_terminal, catch_interrupts
    implicit none(type, external)
    private
-   public :: command_run, load_scene, run_options, unknown_option
+   public :: command_run, command_view, load_scene, run_options, unknown_option
 
    !> What `poinsot run` was asked for.
    type :: run_options
       character(:), allocatable :: scene, out, threads
       type(word), allocatable :: settings(:)   !! of --set, in their order
-      logical :: check = .false., quiet = .false., pictures = .true.
+      logical :: check = .false., quiet = .false., pictures = .true., view = .true.
    end type run_options
 
-   character(13), parameter :: known(6) = [character(13) :: "--out", "--threads", "--set", &
-                                           "--check", "--no-pictures", "--quiet"]
+   character(13), parameter :: known(7) = [character(13) :: "--out", "--threads", "--set", &
+                                           "--check", "--no-pictures", "--no-view", "--quiet"]
 
 contains
 
@@ -58,6 +60,25 @@ contains
          call run_it(scene, options, code, ranks)
       end if
    end subroutine command_run
+
+   !> `poinsot view`: a folder's page made anew, or a scene run for its page alone.
+   subroutine command_view(words, code)
+      type(word_list), intent(in) :: words
+      integer, intent(out) :: code
+      type(run_options) :: options
+      type(scene_settings) :: scene
+      logical :: done
+      call remake_page(words, code, done)
+      if (done) return
+      call read_options(words, options, done)
+      if (done) call load_scene(options%scene, options%settings, scene, done)
+      if (.not. done) return
+      options%pictures = .false.
+      options%quiet = .true.
+      if (len(options%out) == 0) options%out = "poinsot-out/" // scene%name
+      call run_it(scene, options, code)
+      if (code == exit_ok) call say(options%out // "/" // page_name)
+   end subroutine command_view
 
    !> Words to typed options.
    subroutine read_options(words, options, good)
@@ -89,6 +110,8 @@ contains
             options%check = .true.
          case ("--no-pictures")
             options%pictures = .false.
+         case ("--no-view")
+            options%view = .false.
          case ("--quiet")
             options%quiet = .true.
          case ("--out", "--threads", "--set")
@@ -202,6 +225,7 @@ contains
       character(:), allocatable :: out
       out = options%out
       if (len(out) == 0) out = "poinsot-out/" // scene%name
+      if (options%view) call find_template(scene%output%page, options%quiet)
       watch%shown = error_is_terminal() .and. .not. options%quiet
       scene%output%draw = options%pictures
       call lock_for_all(out, lock, ranks, error)

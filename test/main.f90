@@ -28,6 +28,7 @@ program check_poinsot
    use test_scene, only: collect_scene
    use test_splitting, only: collect_splitting
    use test_study, only: collect_study
+   use test_view, only: collect_view
    implicit none(type, external)
 
    interface
@@ -59,6 +60,7 @@ program check_poinsot
       new_testsuite("scene", collect_scene), &
       new_testsuite("pictures", collect_pictures), &
       new_testsuite("study", collect_study), &
+      new_testsuite("view", collect_view), &
       new_testsuite("repeat", collect_repeat), &
       new_testsuite("choose", collect_choose), &
       new_testsuite("hard", collect_hard), &

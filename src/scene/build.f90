@@ -182,6 +182,7 @@ contains
       allocate (scene%output%bodies(0), scene%output%times(0))
       scene%output%restart = "restart.txt"
       scene%output%pictures = "none"
+      scene%output%page = ""
       k = find_group(source, "output")
       if (k == 0) return
       call output_keys(info)

@@ -7,6 +7,7 @@ module poinsot_scene_folder
    use poinsot_scene_files, only: file_exists, make_folder, real_path, remove_file
    use poinsot_scene_pictures, only: picture_files, scene_files
    use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_view, only: has_page, page_name
    implicit none(type, external)
    private
    public :: folder_lock, lock_folder, unlock_folder, clear_folder, check_inputs, file_name, run_files
@@ -149,6 +150,7 @@ contains
       if (scene%output%csv) call append(names, "trajectory.csv")
       if (scene%output%extxyz) call append(names, "trajectory.xyz")
       if (len(scene%output%restart) > 0) call append(names, scene%output%restart)
+      if (has_page(scene)) call append(names, page_name)
       call scene_files(scene, pictures)
       do i = 1, size(pictures)
          call append(names, trim(pictures(i)))

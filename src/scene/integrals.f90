@@ -7,6 +7,7 @@ module poinsot_scene_integrals
    implicit none(type, external)
    private
    public :: integral_list, scene_integrals
+   public :: vector_in, number_in, text_in
 
    real(dp), parameter :: same = 1e-12_dp    !! relative: equal numbers of a scene
    real(dp), parameter :: z(3) = [0.0_dp, 0.0_dp, 1.0_dp]

@@ -19,6 +19,7 @@ module poinsot_scene_run
    use poinsot_scene_summary, only: run_report, write_summary
    use poinsot_scene_compare, only: compare_end
    use poinsot_scene_pictures, only: write_pictures
+   use poinsot_scene_view, only: view_writer, open_view, add_view_frame, write_view
    use poinsot_scene_watch, only: run_watch
    implicit none(type, external)
    private
@@ -34,6 +35,7 @@ module poinsot_scene_run
       type(engine) :: engine
       type(body_states) :: states, begin
       type(frame_writer) :: frames
+      type(view_writer) :: view
       real(dp), allocatable :: kinetic(:), potential(:)
       real(dp) :: t = 0
       integer(i8) :: step = 0
@@ -111,6 +113,7 @@ contains
          call write_summary(out // "/summary.txt", scene, report, run%states, closing)
       end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
+      if (.not. raised(closing)) call write_view(run%view, scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
    end subroutine run_rank
 
@@ -192,6 +195,7 @@ contains
       call clear_folder(scene, out, error)
       if (raised(error)) return
       call open_frames(scene, out, run%frames, error)
+      call open_view(scene, run%view)
       if (raised(error) .or. len(scene%from) > 0) return
       if (.not. writes_start(scene)) return
       call frame(scene, run, report, error)
@@ -357,6 +361,7 @@ contains
       end if
       call follow_drift(run%states, run%kinetic, run%potential, report%drift)
       call write_frame(run%frames, scene, run%t, run%states, run%kinetic, run%potential, error)
+      call add_view_frame(run%view, run%t, run%states, run%kinetic, run%potential, report%drift)
       report%outputs = report%outputs + 1
    end subroutine frame
 

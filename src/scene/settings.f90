@@ -49,6 +49,7 @@ module poinsot_scene_settings
       integer(i8), allocatable :: bodies(:)   !! numbers of the bodies written; size 0 = all
       logical :: csv = .true., extxyz = .false.
       character(:), allocatable :: restart    !! name of the restart file, "" = none
+      character(:), allocatable :: page       !! template of view.html, "" = no page
       character(:), allocatable :: pictures   !! none, body, top, tilt, angle, ensemble
       real(dp) :: axis(3) = [0, 0, 1]         !! body axis that pictures follow
       logical :: draw = .true.                !! pictures will be drawn, not their scripts only

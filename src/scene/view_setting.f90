@@ -1,0 +1,91 @@
+!> What a page has to know of a scene to show its motion rightly: free body, gyrostat, top,
+!> satellite, body in a field; and the vectors of its bodies, along their principal axes.
+module poinsot_scene_view_setting
+   use poinsot_core_kinds, only: dp
+   use poinsot_scene_integrals, only: vector_in, number_in, text_in
+   use poinsot_scene_json, only: numbers_json, number_json
+   use poinsot_scene_settings, only: scene_settings, effect_setting
+   implicit none(type, external)
+   private
+   public :: view_setting, body_vectors
+
+contains
+
+   !> "kind", "up", and what belongs to the kind, as members of a JSON object.
+   function view_setting(scene) result(text)
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      character(:), allocatable :: text
+      character(:), allocatable :: kind
+      integer :: i
+      kind = "free"
+      text = ""
+      do i = 1, size(scene%effects)
+         associate (item => scene%effects(i))
+            select case (item%name)
+            case ("gyrostat")
+               if (kind == "free") kind = "gyrostat"
+            case ("gravity")
+               kind = "top"
+               text = text // """up"": " // numbers_json(vector_in(item, "up"), 9) // ", "
+            case ("field")
+               if (kind /= "top") kind = "field"
+               text = text // """field"": {""motion"": """ // text_in(item, "motion") // &
+                  """, ""strength"": " // numbers_json(vector_in(item, "strength"), 9) // &
+                  ", ""frequency"": " // number_json(number_in(item, "frequency"), 9) // &
+                  ", ""axis"": " // numbers_json(vector_in(item, "axis"), 9) // "}, "
+            case ("gravity_gradient")
+               if (kind == "top") cycle
+               kind = "other"
+               if (text_in(item, "orbit") /= "circular") cycle
+               kind = "orbit"
+               text = text // """orbit"": {""axis"": " // &
+                  numbers_json(vector_in(item, "normal"), 9) // ", ""rate"": " // &
+                  number_json(number_in(item, "rate"), 9) // ", ""radius"": " // &
+                  numbers_json(vector_in(item, "radial"), 9) // "}, "
+            case default
+               if (kind == "free" .or. kind == "gyrostat") kind = "other"
+            end select
+         end associate
+      end do
+      text = text // """kind"": """ // kind // ""","
+   end function view_setting
+
+   !> ", "centre": [...]" and so on: the body vectors of a group.
+   function body_vectors(scene, group) result(text)
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      integer, intent(in) :: group              !! number of a &bodies group
+      character(:), allocatable :: text
+      real(dp) :: centre(3), rotor(3), dipole(3)
+      logical :: heavy
+      integer :: i
+      heavy = .false.
+      centre = 0
+      rotor = 0
+      dipole = 0
+      do i = 1, size(scene%effects)
+         associate (item => scene%effects(i))
+            heavy = heavy .or. item%name == "gravity"
+            if (.not. any(nint(number_in(item, "class")) == [0, group])) cycle
+            if (item%name == "gravity") centre = centre + vector_in(item, "centre")
+            if (item%name == "gyrostat") rotor = rotor + vector_in(item, "rotor")
+            if (item%name == "field") dipole = dipole + vector_in(item, "dipole")
+         end associate
+      end do
+      text = ", ""axis"": " // along_axes(scene%output%axis)
+      if (norm2(dipole) > 0) text = ", ""axis"": " // along_axes(dipole)
+      if (heavy) text = text // ", ""centre"": " // along_axes(centre)
+      if (norm2(rotor) > 0) text = text // ", ""rotor"": " // along_axes(rotor)
+
+   contains
+
+      function along_axes(v) result(numbers)
+         real(dp), intent(in) :: v(3)
+         character(:), allocatable :: numbers
+         numbers = numbers_json(v, 9)
+         if (scene%bodies(group)%turned) numbers = &
+            numbers_json(matmul(v, scene%bodies(group)%axes), 9)
+      end function along_axes
+
+   end function body_vectors
+
+end module poinsot_scene_view_setting
