@@ -335,14 +335,15 @@ contains
       character(:), allocatable :: text
       call empty_folder("told")
       call run_text("&scene t_end=1 h=0.3 /" // body // "&bodies tensor=1,0,0,0,0.6,0,0,0,0.8 /" // &
+                    "&bodies tensor=0.8,0.2,0,0.2,0.8,0,0,0,1.5 /" // &
                     "&output every=0.02 restart='' pictures='none' /", "told", failure)
       call accepted(error, failure)
       call get_text(output // "told/summary.txt", text)
       call holds("step h                0.02 (0.3 asked for; steps end at outputs and at t_end)")
       call holds("  class 1             0.6, 0.8, 1.0  (asymmetric)")
-      call holds("  class 2             0.6, 0.8, 1.0  (asymmetric)")
-      call holds("  class 2  axis 1     0.0, 1.0, 0.0")
-      call holds("  class 2  axis 3     1.0, 0.0, 0.0")
+      call holds("  class 2             1.0, 0.6, 0.8  (asymmetric)")
+      call holds("  class 3  axis 1     0.70710678")
+      call holds("  class 3  axis 3     0.0, 0.0, 1.0")
       call holds("files                 summary.txt / trajectory.csv" // nl)
       call run_text("&scene t_end=1 h=0.3 /" // body // "&output times=0.5,0.9 /", "told", failure)
       call get_text(output // "told/summary.txt", text)
