@@ -103,11 +103,13 @@ contains
             case ("spring")
                symmetric_about = along(vector_in(item, "direction"), direction)
             case ("field")
-               if (text_in(item, "motion") /= "rotating") &
+               if (text_in(item, "motion") /= "rotating") then
                   symmetric_about = along(vector_in(item, "strength"), direction)
+               end if
             case ("gravity_gradient")
-               if (text_in(item, "orbit") /= "circular") &
+               if (text_in(item, "orbit") /= "circular") then
                   symmetric_about = along(vector_in(item, "radial"), direction)
+               end if
             case ("gyrostat")
                continue ! in the body
             case default
@@ -167,8 +169,7 @@ contains
       real(dp), allocatable :: values(:)
       call get_values(describe_effect(effect_number(item%name)), item%settings, key, values)
       vector = values(:3)
-      if (any(key == [character(8) :: "axis", "normal", "up"]) .and. norm2(vector) > 0) &
-         vector = vector/norm2(vector)
+      if (any(key == [character(8) :: "axis", "normal", "up"])) vector = vector/norm2(vector)
    end function vector_in
 
    real(dp) function number_in(item, key)

@@ -75,8 +75,9 @@ contains
       type(poinsot_error), intent(inout) :: error
       real(dp) :: doubt(2)
       doubt = 0
-      if (.not. study%kind%free) &
+      if (.not. study%kind%free) then
          doubt = [median(study%reference%angle), median(study%reference%momentum)]
+      end if
       call put(file, "# the reference's own errors, median; 0: none", error)
       call put_variable(file, "doubt_angle", doubt(1), error)
       call put_variable(file, "doubt_momentum", doubt(2), error)
