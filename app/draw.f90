@@ -23,8 +23,9 @@ contains
       if (size(names) == 0) return
       call find_shared("plots", plots)
       if (len(plots) == 0) then
-         call print_error("no pictures: their scripts, share/poinsot/plots, are not beside " // &
-                          "this program; name the folder share/poinsot in POINSOT_SHARE")
+         if (.not. scripts_only) call print_error("no pictures: their scripts, " // &
+            "share/poinsot/plots, are not beside this program; name the folder share/poinsot in " // &
+            "POINSOT_SHARE")
          return
       end if
       do i = 1, size(names)

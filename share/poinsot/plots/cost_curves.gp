@@ -15,7 +15,7 @@ if (rivals > 0) {
 rival_file = rivals > 0 ? 'rivals.csv' : 'cost.csv'   # gnuplot opens it even for no curve
 left = round_up(X_max); right = round_down(X_min)/3; bottom = 0.6*T_min; top = round_up(T_max)
 
-# Where the named curves end: their finest points.
+# Where names stand: under the middle of its stretch for a candidate on the frontier, beside the finest point for others.
 quiet = few ? candidates : 0
 ends = strong + quiet + rivals
 array end_x[ends + 1]
@@ -23,12 +23,16 @@ array end_y[ends + 1]
 array end_text[ends + 1]
 array end_colour[ends + 1]
 found = 0
+on_stretch(name) = label(1) eq name && ok(1) && column(on_front) > 0
 is_strong(name) = strong > 0 ? sum [j = 1:strong] (names[j] eq name) : 0
 do for [k=1:ends] {
    name = k <= strong ? names[k] : k <= strong + quiet ? candidate[k - strong] : rival_name[k - strong - quiet]
    x = 0
    if (k <= strong || (k <= strong + quiet && !is_strong(name))) {
       stats 'cost.csv' skip 1 using (label(1) eq name && ok(1) ? (x = e(1), y = $25) : 0) nooutput
+      n = 0; m = 0
+      stats 'cost.csv' skip 1 using (on_stretch(name) ? (n = n + 1) : 0) nooutput
+      stats 'cost.csv' skip 1 using (on_stretch(name) ? (m = m + 1, m == (n + 1)/2 ? (x = e(1), y = $25) : 0) : 0) nooutput
    }
    if (k > strong + quiet) {
       stats 'rivals.csv' skip 1 using (strcol(1) eq name ? (x = at_least(column(rival)), y = $4) : 0) nooutput
@@ -36,7 +40,7 @@ do for [k=1:ends] {
    if (x > 0) {
       found = found + 1
       end_x[found] = larger(0, smaller(1, fraction(x, left, right)))
-      end_y[found] = larger(0, smaller(1, fraction(y, bottom, top)))
+      end_y[found] = larger(0, smaller(1, fraction(y, bottom, top))) - (k <= strong ? 0.02 : 0)
       end_text[found] = name
       end_colour[found] = k <= strong ? colour(k) : k <= strong + quiet ? '#808080' : '#404040'
    }
@@ -65,7 +69,7 @@ do for [kind in kinds] {
       set object 1 rect from doubt, graph 0 to graph 1, graph 1 fc rgb '#f2f0ea' fs solid noborder behind
       set label 3 "the reference's\nown error" at graph 0.995, graph 0.07 right tc rgb '#606060' font ',8'
    }
-   gap = 0.032; letter = 0.0098; beside = few
+   gap = 0.032; letter = 0.0098
    if (ends > 0) { load 'ends.gp'; set rmargin 3 + 0.78*overhang }
    last_label = ''
    plot 'cost.csv' skip 1 using (ok(1) && column(on_front) > 0 ? e(1) : NaN):25 smooth unique with lines lw 11 lc rgb '#dbe4ee', \

@@ -1,13 +1,13 @@
 # Names of curves at their ends, none on another; a thin line leads from an end to a name that had to move.
 # Before: ends of them, arrays end_x and end_y (fractions of the graph), end_text, end_colour; gap and letter, the height and the
-# width of a letter as such fractions; beside: 1 names stand beside the ends, 0 all of them right of the graph.
+# width of a letter as such fractions.
 # After: overhang, by how many letters names stand out on the right.
 array place[ends]
 array name_x[ends]
 overhang = 0
 do for [k=1:ends] {
    place[k] = end_y[k]
-   name_x[k] = beside ? end_x[k] + 1.2*letter : 1.03
+   name_x[k] = end_x[k] + 1.2*letter
    overhang = larger(overhang, (name_x[k] - 1)/letter + strlen(end_text[k]))
 }
 meet(i, j) = abs(place[i] - place[j]) < gap && name_x[i] < name_x[j] + letter*(strlen(end_text[j]) + 1) && \
@@ -29,7 +29,7 @@ do for [n=1:ends] {
 }
 do for [k=1:ends] {
    set label 100+k end_text[k] at graph name_x[k], graph place[k] left tc rgb end_colour[k] font ',10' noenhanced front
-   if (name_x[k] - end_x[k] > 2*letter || abs(place[k] - end_y[k]) > 0.6*gap) {
+   if (abs(place[k] - end_y[k]) > 0.6*gap) {
       set arrow 100+k from graph end_x[k]+0.3*letter, graph end_y[k] to graph name_x[k]-0.3*letter, graph place[k] \
          nohead lw 0.8 dt 3 lc rgb end_colour[k]
    }

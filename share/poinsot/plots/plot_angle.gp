@@ -39,7 +39,7 @@ do for [kind in kinds] {
    if (bodies <= 2) {
       set ylabel 'angle (degrees)'; set zeroaxis lc rgb '#c8c8c8'; set rmargin bodies > 1 ? 9 : 3
       set yrange [bottom:top]; set ytics step
-      gap = 0.055; letter = 0.0105; beside = 1
+      gap = 0.055; letter = 0.0105
       if (bodies > 1) { load 'ends.gp' }
       plot for [k=1:bodies] file skip 1 every bodies::k-1 using (start(1), $1):(angle(1)) with lines lw 1.6 lc rgb colour(k)
    } else {

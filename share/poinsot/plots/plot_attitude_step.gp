@@ -38,7 +38,7 @@ do for [kind in kinds] {
    set xrange [left:right]; set yrange [bottom:top]
    set xlabel 'step h'
    set ylabel sprintf('error in attitude, radians, at t = %g (median)', t_end)
-   gap = 0.032; letter = 0.0098; beside = 1
+   gap = 0.032; letter = 0.0098
    if (ends > 0) { load 'ends.gp'; set rmargin 3 + 0.78*overhang }
    if (shown > 0) {
       plot for [k=1:shown] 'cost.csv' skip 1 using 6:(label(1) eq shown_name[k] && ok(1) ? e(1) : NaN) \

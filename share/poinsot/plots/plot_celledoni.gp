@@ -32,9 +32,9 @@ do for [kind in kinds] {
    set label 1 'when the exact rotor pays inside a splitting' at graph 0, graph 1.06 font ',14'
    set label 2 'slow body, strong torque' at graph 0.01, graph 0.03 tc rgb '#606060' font ',10'
    set label 3 'fast spin, weak torque' at graph 0.99, graph 0.03 right tc rgb '#606060' font ',10'
-   set label 4 '1: exact' at graph 0.5, first 0.93 center tc rgb '#606060' font ',10'
+   set label 4 '1: exact' at graph 0.5, first 0.85 center tc rgb '#606060' font ',10'
    set xrange [left:right]; set yrange [bottom:top]
-   gap = 0.036; letter = 0.0098; beside = 1; overhang = 2
+   gap = 0.036; letter = 0.0098; overhang = 2
    if (ends > 0) { load 'ends.gp' }
    set rmargin 3 + 0.78*overhang
    plot 1 with lines lw 3 lc rgb '#c8c8c8', \

@@ -38,7 +38,7 @@ do for [kind in kinds] {
          end_x[k] = 0; end_y[k] = 0
          stats file skip 1 using (is(k, body) ? (end_x[k] = across(column(8)), end_y[k] = along(column(6))) : 0) nooutput
       }
-      gap = 0.042; letter = 0.0205; beside = 1
+      gap = 0.042; letter = 0.0205
       load 'ends.gp'
       plot for [k=1:ends] file skip 1 using (is(k, body) ? column(8) : NaN):6 \
          with linespoints pt shape(k) ps 0.6 lw 1.4 lc rgb colour(k)

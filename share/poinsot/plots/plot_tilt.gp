@@ -28,7 +28,7 @@ do for [kind in kinds] {
    set label 2 axis_name . ': angle from the vertical' at graph 0, graph 1.06 tc rgb '#555555'
    set xrange [t_first : t_last]; set yrange [0:top]; set ytics step
    set xtics tick(t_last - t_first, 7)
-   gap = 0.055; letter = 0.0105; beside = 1
+   gap = 0.055; letter = 0.0105
    if (bodies > 1) { load 'ends.gp' }
    if (bodies > ends) {
       set label 1 sprintf('the first %d of %d bodies', ends, bodies) at graph 1, graph 1.06 right tc rgb '#555555'
