@@ -12,7 +12,7 @@ module poinsot_scene_integrals
    real(dp), parameter :: same = 1e-12_dp    !! relative: equal numbers of a scene
    real(dp), parameter :: z(3) = [0.0_dp, 0.0_dp, 1.0_dp]
 
-   !> The integrals, by the words that pictures know: energy (or `work`: it is not kept), rotating
+   !> The integrals, by the words that pictures know: energy (or `work`: it need not stay), rotating
    !> (T + U - W.L), length (|y|), momentum (Q y), vertical (its component along z), symmetry (y
    !> along the axis of a symmetric top), kovalevskaya, norm (|q|).
    type :: integral_list
@@ -67,9 +67,9 @@ contains
       logical, intent(inout) :: turns, works
       real(dp), allocatable :: axis(:)
       real(dp) :: rate
+      if (any_of(item, "times")) works = .true.
       select case (item%name)
-      case ("drag", "langevin", "torque", "callback")
-         works = .true.
+      case ("gravity", "spring", "dipoles", "gyrostat")
          return
       case ("field")
          if (text_in(item, "motion") == "oscillating") works = .true.
@@ -77,10 +77,12 @@ contains
          axis = vector_in(item, "axis")
          rate = number_in(item, "frequency")
       case ("gravity_gradient")
+         if (any_of(item, "eccentricity")) works = .true.
          if (text_in(item, "orbit") /= "circular") return
          axis = vector_in(item, "normal")
          rate = number_in(item, "rate")
-      case default
+      case default ! friction, noise, torques of any kind, and whatever is not known here
+         works = .true.
          return
       end select
       axis = rate*axis
@@ -88,6 +90,18 @@ contains
       turns = .true.
       spin = axis
    end subroutine add_motion
+
+   !> Are there numbers of this key, other than zero?
+   pure logical function any_of(item, key)
+      type(effect_setting), intent(in) :: item
+      character(*), intent(in) :: key
+      integer :: i
+      any_of = .false.
+      do i = 1, size(item%settings)
+         if (item%settings(i)%key /= key .or. .not. allocated(item%settings(i)%values)) cycle
+         any_of = any(abs(item%settings(i)%values) > 0)
+      end do
+   end function any_of
 
    !> Do all effects look the same after a turn about this direction (or turn about it themselves)?
    logical function symmetric_about(scene, direction)
