@@ -62,7 +62,7 @@ lines = "for [g=-1:1:2] for [k=1:4] [s=0:2*pi] '+' using (C1x($1,k,g)):(C1y($1,k
 background = contours ? outline . ', ' . lines : wires_far . ', ' . wires_near . ', ' . outline
 
 side(x,y,z) = depth(x,y,z) >= 0 ? 1 : -1
-name(j,g) = (g > 0 ? '' : '-') . (turned[group(b)] ? sprintf("principal axis %d", j) : sprintf('y_%d', j))
+name(j,g) = (g > 0 ? '' : '-') . (turned[group(b)] ? sprintf('axis %d', j) : sprintf('y_%d', j))
 
 do for [kind in kinds] {
    if (!can_draw(kind)) { continue }
@@ -75,6 +75,7 @@ do for [kind in kinds] {
       set label j name(j,g) at g*px(j==1,j==2,j==3),g*py(j==1,j==2,j==3) center boxed front \
          offset hides(j) ? 2.2 : 0, hides(j) ? 0.6 : 0
    }
+   if (turned[group(b)]) { set label 5 'principal axes' at -1.12,-1.12 tc rgb '#555555' }
    if (bodies > 1) { set label 4 sprintf('body %d', b) at -1.12,1.12 tc rgb '#555555' }
    plot @background, \
       file skip 1 every bodies::body using (far(u(1),u(2),u(3))):(py(u(1),u(2),u(3))) with lines lc rgb pale lw 3, \
