@@ -7,7 +7,7 @@ module test_free_lanes
    use poinsot_body_class, only: body_class, extend_class
    use poinsot_free_method, only: free_method, advance, advance_lanes
    use test_bodies, only: random_stream, start_stream, uniform
-   use test_expectation, only: expect
+   use test_expectation, only: expect, within
    use test_free_tools, only: method_names, generic, prepare, random_block
    implicit none(type, external)
    private
@@ -24,7 +24,8 @@ contains
          new_unittest("groups-of-lanes", test_groups), &
          new_unittest("neighbours-far-and-near", test_neighbours), &
          new_unittest("step-of-each-lane", test_lane_steps), &
-         new_unittest("long-series-kept-or-not", test_extended)]
+         new_unittest("long-series-kept-or-not", test_extended), &
+         new_unittest("jacobi-keeps-momentum", test_momentum)]
    end subroutine collect_free_lanes
 
    !> A block of bodies whose h |omega| are of all sizes.
@@ -184,5 +185,35 @@ contains
          call expect(error, same(lanes, y, q, z, r), trim(method_names(i))//": other bits")
       end do
    end subroutine test_extended
+
+   !> |y| after many steps of `jacobi`, plain sums: a random walk, also where every step of a symmetric
+   !> body rounds alike.
+   subroutine test_momentum(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: moments(3, 4) = reshape([0.5_dp, 0.5_dp, 0.8_dp, 0.3_dp, 0.8_dp, &
+         0.8_dp, 0.5_dp, 0.5000000005_dp, 0.8_dp, 0.376_dp, 0.627_dp, 1.0_dp], [3, 4])
+      real(dp), parameter :: steps(2) = [0.05_dp, 0.3_dp]
+      integer, parameter :: many = 50000
+      type(random_stream) :: stream
+      type(free_method) :: method
+      type(body_class) :: class
+      type(poinsot_error) :: refusal
+      real(dp) :: y(lanes, 3), q(lanes, 4), start(lanes)
+      integer :: status(lanes), i, k, l
+      do i = 1, size(moments, 2)
+         call prepare("jacobi", moments(:, i), method, class, refusal)
+         do k = 1, size(steps)
+            stream = start_stream(65)
+            call random_block(stream, y, q)
+            start = norm2(y, 2)
+            status = poinsot_ok
+            do l = 1, many
+               call advance(method, class, steps(k), y, q, status, nvec=1)
+            end do
+            call within(error, maxval(abs(norm2(y(:group, :), 2)/start(:group) - 1)), 4e-14_dp, &
+               "|y|")
+         end do
+      end do
+   end subroutine test_momentum
 
 end module test_free_lanes

@@ -14,25 +14,36 @@ module poinsot_free_jacobi_solution
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_status, only: poinsot_e_step
    use poinsot_body_class, only: body_class
+   use poinsot_body_constants, only: lane_constants
    use poinsot_elliptic_elementary, only: atan2_block, sincos_block
    use poinsot_elliptic_jacobi_kernel, only: jacobi_block
    use poinsot_elliptic_third_kind, only: third_kind_block
    implicit none(type, external)
    private
-   public :: jacobi_increment
+   public :: jacobi_increment, jacobi_lanes
 
    real(dp), parameter :: longest_phase = 1.0e15_dp   !! radians; beyond, no digit is left
    integer(i8), parameter :: longest_exponent = 60_i8 !! the same, roughly, as a power of two
    real(dp), parameter :: tail = 340.0_dp             !! phase at which cn and dn are as good as 0
    real(dp), parameter :: tail_square = 4.7e-295_dp   !! and their squares there, 4 exp(-2 tail)
    integer(i8), parameter :: exponent_bits = 9218868437227405312_i8
+   integer(i8), parameter :: top26 = not(134217727_i8)             !! keeps 26 significant bits
    integer(i8), parameter :: top_exponent = 9214364837600034816_i8 !! of 2**1023
 
-   !> Constants of a body class, axes in order and with 1 and 3 exchanged. m: inverse moments;
-   !> rate = sqrt(d13 d23), d13 = m1 - m3, d23 = m2 - m3, with the sign of d13.
+   !> Constants of a body, axes in order and with 1 and 3 exchanged. m: inverse moments; rate =
+   !> sqrt(d13 d23), d13 = m1 - m3, d23 = m2 - m3, with the sign of d13.
    type :: axes_constants
       real(dp) :: c1 = 0.5_dp, c2 = 0.5_dp, m1 = 1, m3 = 1, rate = 0, exchanged_rate = 0
    end type axes_constants
+
+   !> The same for a block, of one body class or of bodies that all differ.
+   type :: axes_block
+      integer :: order(3) = [1, 2, 3]           !! which columns of y and q are the sorted axes
+      real(dp) :: parity = 1                    !! of this order
+      real(dp), dimension(lanes) :: scale = 1   !! of the moments, a power of two
+      real(dp), dimension(lanes) :: c1 = 0.5_dp, c2 = 0.5_dp, m1 = 1, m3 = 1
+      real(dp), dimension(lanes) :: rate = 0, exchanged_rate = 0
+   end type axes_block
 
    !> The lanes at the start of the step.
    type :: start_type
@@ -49,6 +60,7 @@ module poinsot_free_jacobi_solution
    !> The end of the step, and the angle about the momentum.
    type :: end_type
       real(dp), dimension(lanes) :: v1, v2, v3         !! momentum
+      real(dp), dimension(lanes) :: low1, low2, low3   !! and what rounding took from it
       real(dp), dimension(lanes) :: s0, s1, c1, d1     !! sn at the start; sn, cn, dn at the end
       real(dp), dimension(lanes) :: nu, g              !! characteristic, factor of the integral
       real(dp), dimension(lanes) :: half               !! half the angle, but for arctangents
@@ -72,9 +84,54 @@ contains
       real(dp), intent(out) :: dy(lanes, 3)   !! y(h) - y
       real(dp), intent(out) :: dq(lanes, 4)   !! q(h) - q
       integer, intent(inout) :: status(lanes) !! POINSOT_E_STEP where h is too long
+      type(axes_block) :: axes
+      type(axes_constants) :: one
+      integer :: n
+      n = group*nvec
+      one = constants_of(class%sorted(1), class%sorted(2), class%sorted(3), class%top)
+      axes%order = class%order
+      axes%parity = class%parity
+      axes%scale(:n) = class%scale
+      axes%c1(:n) = one%c1
+      axes%c2(:n) = one%c2
+      axes%m1(:n) = one%m1
+      axes%m3(:n) = one%m3
+      axes%rate(:n) = one%rate
+      axes%exchanged_rate(:n) = one%exchanged_rate
+      call block_increment(nvec, axes, h, y, q, dy, dq, status)
+   end subroutine jacobi_increment
+
+   !> The same for bodies that all differ, their axes sorted and right-handed already.
+   pure subroutine jacobi_lanes(nvec, c, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec
+      type(lane_constants), intent(in) :: c
+      real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      type(axes_block) :: axes
+      type(axes_constants) :: one
+      integer :: l
+      do l = 1, group*nvec
+         one = constants_of(c%moments(l, 1), c%moments(l, 2), c%moments(l, 3), c%top(l))
+         axes%scale(l) = c%scale(l)
+         axes%c1(l) = one%c1
+         axes%c2(l) = one%c2
+         axes%m1(l) = one%m1
+         axes%m3(l) = one%m3
+         axes%rate(l) = one%rate
+         axes%exchanged_rate(l) = one%exchanged_rate
+      end do
+      call block_increment(nvec, axes, h, y, q, dy, dq, status)
+   end subroutine jacobi_lanes
+
+   pure subroutine block_increment(nvec, axes, h, y, q, dy, dq, status)
+      integer, intent(in) :: nvec
+      type(axes_block), intent(in) :: axes
+      real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      integer, intent(inout) :: status(lanes)
       type(start_type) :: start
       type(end_type) :: finish
-      type(axes_constants) :: axes
       real(dp), dimension(lanes) :: s, c, d, turns, sf, cf
       real(dp) :: hs(lanes), ys(lanes, 3), qs(lanes, 4), rho(lanes, 4)
       integer(i8) :: too_long(lanes)
@@ -87,8 +144,7 @@ contains
       hs(n + 1:) = 0
       ys(n + 1:, :) = 0
       qs(n + 1:, :) = 0
-      axes = constants_of(class)
-      call scale_lanes(class, hs, ys, start, too_long)
+      call scale_lanes(axes, hs, ys, start, too_long)
       call order_axes(axes, start)
       call find_phase(axes, start, too_long)
       call jacobi_block(start%w, start%k2, start%kc2, s, c, d, turns)
@@ -99,9 +155,9 @@ contains
       call third_kind(start, s, c, d, turns, finish)
       if (any(abs(turns) > 0.0_dp)) call whole_turns(start, turns, finish)
       call rotation(start, finish, rho)
-      call increments(class, start, finish, rho, ys, qs, dy, dq)
+      call increments(axes, start, finish, rho, qs, dy, dq)
       where (too_long(:n) /= 0_i8) status(:n) = poinsot_e_step
-   end subroutine jacobi_increment
+   end subroutine block_increment
 
    !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
    elemental real(dp) function choose(mask, a, b)
@@ -116,51 +172,50 @@ contains
       below = shifta(transfer(x, below) - transfer(y, below), 63)
    end function below
 
-   !> Constants of a class; the zero moment of a linear body is taken as equal to the others.
-   pure function constants_of(class) result(axes)
-      type(body_class), intent(in) :: class
-      type(axes_constants) :: axes
+   !> Constants of a body; the zero moment of a linear one is taken as equal to the others.
+   pure type(axes_constants) function constants_of(first, middle, last, top) result(axes)
+      real(dp), intent(in) :: first, middle, last !! moments, ascending, over a power of two
+      real(dp), intent(in) :: top                 !! last - middle
       real(dp) :: i1, i2, i3, d13
-      i1 = class%sorted(1)
-      i2 = class%sorted(2)
-      i3 = class%sorted(3)
+      i1 = first
+      i2 = middle
+      i3 = last
       if (i1 <= 0.0_dp) i1 = i2
       if (i1 <= 0.0_dp) i1 = i3
       if (i2 <= 0.0_dp) i2 = i3
       axes%m1 = 1.0_dp/i1
       axes%m3 = 1.0_dp/i3
       if (i3 <= i1) return
-      axes%c1 = (i1/i2)*(class%top/(i3 - i1))
+      axes%c1 = (i1/i2)*(top/(i3 - i1))
       axes%c2 = (i3/i2)*((i2 - i1)/(i3 - i1))
       d13 = (i3 - i1)/i1/i3
-      axes%rate = sqrt(d13)*sqrt(class%top/i2/i3)
+      axes%rate = sqrt(d13)*sqrt(top/i2/i3)
       axes%exchanged_rate = -sqrt(d13)*sqrt((i2 - i1)/i2/i1)
    end function constants_of
 
    !> Momenta into sorted axes, divided by a power of two near the largest component; the step times
    !> that power, over the scale of the moments. Lanes that stand still get a harmless momentum.
-   pure subroutine scale_lanes(class, h, y, start, too_long)
-      type(body_class), intent(in) :: class
+   pure subroutine scale_lanes(axes, h, y, start, too_long)
+      type(axes_block), intent(in) :: axes
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
       type(start_type), intent(inout) :: start
       integer(i8), intent(out) :: too_long(lanes)
       integer(i8), parameter :: least = shiftl(30_i8, 52), greatest = shiftl(2040_i8, 52)
-      integer(i8) :: big, e, eh, rest, far, scale_exponent
+      integer(i8) :: big, e, eh, rest, far
       real(dp) :: down, half
       integer :: l, i1, i2, i3
-      i1 = class%order(1)
-      i2 = class%order(2)
-      i3 = class%order(3)
-      scale_exponent = shiftr(transfer(class%scale, 0_i8), 52)
+      i1 = axes%order(1)
+      i2 = axes%order(2)
+      i3 = axes%order(3)
       !$omp simd private(big, e, eh, rest, far, down, half)
       do l = 1, lanes
          big = max(ibclr(transfer(y(l, 1), 0_i8), 63), ibclr(transfer(y(l, 2), 0_i8), 63))
          big = max(big, ibclr(transfer(y(l, 3), 0_i8), 63))
          e = min(max(iand(big, exponent_bits), least), greatest)
-         start%unit(l) = class%parity*transfer(e, down)
-         down = class%parity*transfer(top_exponent - e, down)
+         start%unit(l) = axes%parity*transfer(e, down)
+         down = axes%parity*transfer(top_exponent - e, down)
          eh = ibclr(transfer(h(l), 0_i8), 63)
-         e = shiftr(e, 52) - scale_exponent                       ! of unit/scale
+         e = shiftr(e, 52) - shiftr(transfer(axes%scale(l), 0_i8), 52) ! of unit/scale
          rest = ior(shifta(big - least, 63), shifta(eh - 1_i8, 63)) ! no momentum, or no step
          far = shifta(longest_exponent - (shiftr(eh, 52) - 1023_i8 + e), 63)
          too_long(l) = iand(far, not(rest))
@@ -178,16 +233,16 @@ contains
    !> Exchange axes 1 and 3, a mirror, where c2 y1^2 > c1 y3^2, or both are equal and c1 < c2; then
    !> dn never changes its sign, and c1 > 0.
    pure subroutine order_axes(axes, start)
-      type(axes_constants), intent(in) :: axes
+      type(axes_block), intent(in) :: axes
       type(start_type), intent(inout) :: start
       real(dp) :: y1, y3, q1, q3, sgn
       integer(i8) :: mask, tie, equal
       integer :: l
-      tie = below(axes%c1, axes%c2)
-      !$omp simd private(y1, y3, q1, q3, sgn, mask, equal)
+      !$omp simd private(y1, y3, q1, q3, sgn, mask, tie, equal)
       do l = 1, lanes
-         q1 = axes%c2*(start%y1(l)*start%y1(l))
-         q3 = axes%c1*(start%y3(l)*start%y3(l))
+         q1 = axes%c2(l)*(start%y1(l)*start%y1(l))
+         q3 = axes%c1(l)*(start%y3(l)*start%y3(l))
+         tie = below(axes%c1(l), axes%c2(l))
          equal = not(ior(below(q1, q3), below(q3, q1)))
          mask = ior(below(q3, q1), iand(tie, equal))
          start%exchanged(l) = mask
@@ -198,17 +253,17 @@ contains
          start%y2(l) = sgn*start%y2(l)
          start%y3(l) = y3
          start%unit(l) = sgn*start%unit(l)
-         start%c1(l) = choose(mask, axes%c2, axes%c1)
-         start%c2(l) = choose(mask, axes%c1, axes%c2)
-         start%m1(l) = choose(mask, axes%m3, axes%m1)
-         start%m3(l) = choose(mask, axes%m1, axes%m3)
+         start%c1(l) = choose(mask, axes%c2(l), axes%c1(l))
+         start%c2(l) = choose(mask, axes%c1(l), axes%c2(l))
+         start%m1(l) = choose(mask, axes%m3(l), axes%m1(l))
+         start%m3(l) = choose(mask, axes%m1(l), axes%m3(l))
          start%kc2(l) = abs(q3 - q1)
       end do
    end subroutine order_axes
 
    !> Constants of the motion, parameters, increase of the phase.
    pure subroutine find_phase(axes, start, too_long)
-      type(axes_constants), intent(in) :: axes
+      type(axes_block), intent(in) :: axes
       type(start_type), intent(inout) :: start
       integer(i8), intent(inout) :: too_long(lanes)
       real(dp) :: y22, cb, inv, w
@@ -223,7 +278,7 @@ contains
          inv = 1.0_dp/max(cb, tiny(1.0_dp))
          start%k2(l) = min((start%c2(l)*start%a(l))*inv, 1.0_dp)
          start%kc2(l) = choose(below(0.0_dp, cb), min(start%kc2(l)*inv, 1.0_dp), 1.0_dp)
-         w = choose(start%exchanged(l), axes%exchanged_rate, axes%rate)
+         w = choose(start%exchanged(l), axes%exchanged_rate(l), axes%rate(l))
          w = sign(1.0_dp, start%y3(l))*w*sqrt(start%b(l))*start%tau(l)
          far = below(longest_phase, abs(w))
          start%w(l) = choose(far, 0.0_dp, w)
@@ -282,11 +337,27 @@ contains
          finish%s1(l) = ns
          finish%c1(l) = nc
          finish%d1(l) = dn1
+         rc = ra/rc
+         rb = sign(rb, start%y3(l))
          finish%v1(l) = ra*nc
-         finish%v2(l) = (ra/rc)*ns
-         finish%v3(l) = sign(rb*dn1, start%y3(l))
+         finish%v2(l) = rc*ns
+         finish%v3(l) = rb*dn1
+         finish%low1(l) = rest_of(ra, nc, finish%v1(l))
+         finish%low2(l) = rest_of(rc, ns, finish%v2(l))
+         finish%low3(l) = rest_of(rb, dn1, finish%v3(l))
       end do
    end subroutine move
+
+   !> x y - product, exact to rounding, by splitting: no fused multiply-add is needed.
+   elemental real(dp) function rest_of(x, y, product)
+      real(dp), intent(in) :: x, y, product
+      real(dp) :: xh, xl, yh, yl
+      xh = transfer(iand(transfer(x, 0_i8), top26), xh)
+      yh = transfer(iand(transfer(y, 0_i8), top26), yh)
+      xl = x - xh
+      yl = y - yh
+      rest_of = ((xh*yh - product) + xh*yl + xl*yh) + xl*yl
+   end function rest_of
 
    !> A power of two near 1/x, x > 0.
    elemental real(dp) function scale_of(x)
@@ -441,29 +512,51 @@ contains
       end do
    end subroutine rotation
 
-   !> Back to the caller's axes and units: y(h) - y and q o (rho - 1).
-   pure subroutine increments(class, start, finish, rho, y, q, dy, dq)
-      type(body_class), intent(in) :: class
+   !> Back to the caller's axes and units: y(h) - y and q o (rho - 1). What the increment d of y would
+   !> change of A and then of |y|^2 is taken off, in proportion to the components and before the new
+   !> momentum is rounded: on a symmetric body the same rounding comes back every step.
+   pure subroutine increments(axes, start, finish, rho, q, dy, dq)
+      type(axes_block), intent(in) :: axes
       type(start_type), intent(in) :: start
       type(end_type), intent(in) :: finish
-      real(dp), intent(in) :: rho(lanes, 4), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(in) :: rho(lanes, 4), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
-      real(dp) :: v(lanes, 3), r0, sgn
+      real(dp) :: v(lanes, 3), r0, sgn, d1, d2, d3, m1, m2, m3, k1, k2, k3, c1, f
+      real(dp) :: unit
       integer(i8) :: mask, quiet
       integer :: l, i1, i2, i3
-      i1 = class%order(1)
-      i2 = class%order(2)
-      i3 = class%order(3)
-      !$omp simd private(sgn, mask, quiet)
+      i1 = axes%order(1)
+      i2 = axes%order(2)
+      i3 = axes%order(3)
+      !$omp simd private(sgn, mask, quiet, d1, d2, d3, m1, m2, m3, k1, k2, k3, c1, f, &
+      !$omp unit)
       do l = 1, lanes
          mask = start%exchanged(l)
          quiet = start%quiet(l)
-         dy(l, i1) = choose(quiet, 0.0_dp, start%unit(l)*choose(mask, finish%v3(l), &
-            finish%v1(l)) - y(l, i1))
-         dy(l, i2) = choose(quiet, 0.0_dp, start%unit(l)*finish%v2(l) - y(l, i2))
-         dy(l, i3) = choose(quiet, 0.0_dp, start%unit(l)*choose(mask, finish%v1(l), &
-            finish%v3(l)) - y(l, i3))
-         sgn = choose(quiet, 0.0_dp, sign(1.0_dp, start%unit(l)))
+         unit = start%unit(l)
+         d1 = finish%v1(l) - start%y1(l)
+         d2 = finish%v2(l) - start%y2(l)
+         d3 = finish%v3(l) - start%y3(l)
+         m1 = d1*(start%y1(l) + 0.5_dp*d1)
+         m2 = d2*(start%y2(l) + 0.5_dp*d2)
+         m3 = d3*(start%y3(l) + 0.5_dp*d3)
+         k1 = finish%low1(l)
+         k2 = finish%low2(l)
+         k3 = finish%low3(l)
+         c1 = start%c1(l)
+         f = ((m1 + c1*m2) + (k1*finish%v1(l) + c1*(k2*finish%v2(l)))) &
+            /max(start%a(l), tiny(1.0_dp))
+         k1 = k1 - f*finish%v1(l)
+         k2 = k2 - f*finish%v2(l)
+         f = ((m1 + m2 + m3) + (k1*finish%v1(l) + k2*finish%v2(l) + k3*finish%v3(l))) &
+            /(start%a(l) + start%b(l))
+         d1 = d1 + (k1 - f*finish%v1(l))
+         d2 = d2 + (k2 - f*finish%v2(l))
+         d3 = d3 + (k3 - f*finish%v3(l))
+         dy(l, i1) = choose(quiet, 0.0_dp, unit*choose(mask, d3, d1))
+         dy(l, i2) = choose(quiet, 0.0_dp, unit*d2)
+         dy(l, i3) = choose(quiet, 0.0_dp, unit*choose(mask, d1, d3))
+         sgn = choose(quiet, 0.0_dp, sign(1.0_dp, unit))
          v(l, i1) = sgn*choose(mask, rho(l, 4), rho(l, 2))
          v(l, i2) = sgn*rho(l, 3)
          v(l, i3) = sgn*choose(mask, rho(l, 2), rho(l, 4))
