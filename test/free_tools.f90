@@ -1,12 +1,13 @@
 !> How the tests turn bodies with the library, and the largest errors they find.
 module test_free_tools
-   use poinsot_core_kinds, only: dp, qp, lanes
+   use poinsot_core_kinds, only: dp, qp, groups, lanes
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok
    use poinsot_body_class, only: body_class, make_class
+   use poinsot_free_exact_lanes, only: lane_constants, make_lane_constants, advance_each
    use poinsot_free_method, only: free_method, find_method, advance
    use test_bodies, only: random_body, random_stream, start_stream, hard_body, uniform, &
-      random_quaternion
+      random_quaternion, body_kinds
    use test_measure, only: attitude_distance, momentum_distance, units
    use test_oracle_data, only: free_case
    use test_oracle_dmv, only: reference_map, make_reference
@@ -58,11 +59,16 @@ contains
       type(poinsot_error) :: error
       real(dp) :: yb(lanes, 3), qb(lanes, 4), carry(lanes, 7)
       integer :: sb(lanes), i, l
+      l = 1
+      if (present(lane)) l = lane
+      if (name(1:min(5, len(name))) == "each-") then
+         call turn_among_others(name == "each-jacobi", moments, h, steps, y, q, status, l, &
+            present(compensate))
+         return
+      end if
       call prepare(name, moments, method, class, error, physical)
       status = error%code
       if (raised(error)) return
-      l = 1
-      if (present(lane)) l = lane
       call rest_block(yb, qb, sb)
       carry = 0
       yb(l, :) = y
@@ -78,6 +84,46 @@ contains
       q = qb(l, :)
       status = sb(l)
    end subroutine turn_body
+
+   !> "each-exact" and "each-jacobi": a body among others with moments, sizes and steps of their
+   !> own.
+   subroutine turn_among_others(by_jacobi, moments, h, steps, y, q, status, lane, compensate)
+      logical, intent(in) :: by_jacobi, compensate
+      real(dp), intent(in) :: moments(3), h
+      integer, intent(in) :: steps, lane
+      real(dp), intent(inout) :: y(3), q(4)
+      integer, intent(out) :: status
+      type(random_stream) :: stream
+      type(random_body) :: other
+      type(lane_constants) :: c
+      real(dp) :: m(lanes, 3), hl(lanes), yb(lanes, 3), qb(lanes, 4), carry(lanes, 7)
+      integer :: sb(lanes), i, l
+      stream = start_stream(int(1000*abs(y(1)/(1 + norm2(y)))) + lane)
+      do l = 1, lanes
+         call hard_body(stream, body_kinds(1 + mod(l, size(body_kinds))), 0.9_dp, other)
+         m(l, :) = other%moments
+         yb(l, :) = other%y
+         qb(l, :) = other%q
+         hl(l) = other%h
+      end do
+      sb = poinsot_ok
+      carry = 0
+      m(lane, :) = moments
+      yb(lane, :) = y
+      qb(lane, :) = q
+      hl(lane) = h
+      call make_lane_constants(m, groups, c, sb)
+      do i = 1, steps
+         if (compensate) then
+            call advance_each(c, by_jacobi, hl, yb, qb, sb, groups, carry)
+         else
+            call advance_each(c, by_jacobi, hl, yb, qb, sb, groups)
+         end if
+      end do
+      y = yb(lane, :)
+      q = qb(lane, :)
+      status = sb(lane)
+   end subroutine turn_among_others
 
    !> Method and class by name and moments.
    subroutine prepare(name, moments, method, class, error, physical)

@@ -40,6 +40,8 @@ contains
          new_unittest("data-exact", test_data_exact), &
          new_unittest("data-jacobi", test_data_jacobi), &
          new_unittest("data-dmv16", test_data_dmv), &
+         new_unittest("data-moments-of-each", test_data_each), &
+         new_unittest("hard-bodies-moments-of-each", test_hard_each), &
          new_unittest("hard-bodies", test_hard), &
          new_unittest("hard-bodies-jacobi", test_hard_jacobi), &
          state, &
@@ -284,6 +286,27 @@ contains
          "nearlinear", "linear", &
          "sphere", "separatrix", "axis", "rest", "long", "middle", "scaleI"], 5.0_dp)
    end subroutine test_data_jacobi
+
+   !> With moments for each body, among others: at most 2 units above.
+   subroutine test_data_each(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(12), parameter :: kinds(12) = [character(12) :: "generic", "nearsym", "flat", &
+         "nearlinear", "linear", "sphere", "separatrix", "axis", "rest", "scaleI", "middle", "long"]
+      call judge_kinds(error, "each-exact", kinds, 6.0_dp)
+      if (allocated(error)) return
+      call judge_kinds(error, "each-jacobi", kinds, 7.0_dp)
+   end subroutine test_data_each
+
+   subroutine test_hard_each(error)
+      type(error_type), allocatable, intent(out) :: error
+      call judge_hard(error, "each-exact", 0.1_dp, 5.0_dp)
+      if (allocated(error)) return
+      call judge_hard(error, "each-exact", 0.7_dp, 7.0_dp)
+      if (allocated(error)) return
+      call judge_hard(error, "each-exact", 20.0_dp, 10.0_dp)
+      if (allocated(error)) return
+      call judge_hard(error, "each-jacobi", 20.0_dp, 10.0_dp)
+   end subroutine test_hard_each
 
    !> dmv16 on short pieces of the same motions: the series has converged, so it is as good as
    !> exact.

@@ -1,12 +1,15 @@
 !> Room free: what a kernel does with the lanes of a block, whatever stands beside them.
 module test_free_lanes
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, i8, group, groups, lanes
    use poinsot_core_error, only: poinsot_error
-   use poinsot_core_status, only: poinsot_ok
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_step
    use poinsot_body_class, only: body_class, extend_class
+   use poinsot_free_exact_lanes, only: lane_constants, make_lane_constants, advance_each
    use poinsot_free_method, only: free_method, advance, advance_lanes
-   use test_bodies, only: random_stream, start_stream, uniform
+   use test_bodies, only: random_stream, random_body, start_stream, uniform, hard_body, &
+      body_kinds, generic_moments
    use test_expectation, only: expect, within
    use test_free_tools, only: method_names, generic, prepare, random_block
    implicit none(type, external)
@@ -25,7 +28,10 @@ contains
          new_unittest("neighbours-far-and-near", test_neighbours), &
          new_unittest("step-of-each-lane", test_lane_steps), &
          new_unittest("long-series-kept-or-not", test_extended), &
-         new_unittest("jacobi-keeps-momentum", test_momentum)]
+         new_unittest("jacobi-keeps-momentum", test_momentum), &
+         new_unittest("moments-of-each-any-place", test_any_place), &
+         new_unittest("moments-of-each-refused", test_refused), &
+         new_unittest("moments-of-each-long-run", test_long_run)]
    end subroutine collect_free_lanes
 
    !> A block of bodies whose h |omega| are of all sizes.
@@ -120,9 +126,9 @@ contains
                few = poinsot_ok
                if (k == 1) call advance(method, class, 1.0_dp, z, r, few)
                if (k == 2) call advance(method, class, 1.0_dp, z, r, few, other)
-               call expect(error, all(abs(z(l, :) - y(l, :)) <= 0) .and. &
-                  all(abs(r(l, :) - q(l, :)) <= 0) .and. few(l) == status(l), &
-                  trim(method_names(i))//": bits depend on neighbours")
+               call expect(error, all(transfer(z(l, :), [0_i8]) == transfer(y(l, :), [0_i8])) &
+                  .and. all(transfer(r(l, :), [0_i8]) == transfer(q(l, :), [0_i8])) &
+                  .and. few(l) == status(l), trim(method_names(i))//": bits depend on neighbours")
             end do
          end do
       end do
@@ -186,8 +192,8 @@ contains
       end do
    end subroutine test_extended
 
-   !> |y| after many steps of `jacobi`, plain sums: a random walk, also where every step of a symmetric
-   !> body rounds alike.
+   !> |y| after many steps of `jacobi`, plain sums: a random walk, also where every step of a
+   !> symmetric body rounds alike.
    subroutine test_momentum(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), parameter :: moments(3, 4) = reshape([0.5_dp, 0.5_dp, 0.8_dp, 0.3_dp, 0.8_dp, &
@@ -215,5 +221,145 @@ contains
          end do
       end do
    end subroutine test_momentum
+
+   !> Moments for each body: the bits of a body in any place, among any others, in any number of
+   !> groups, with plain and compensated sums.
+   subroutine test_any_place(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(random_stream) :: stream
+      type(random_body) :: body
+      type(lane_constants) :: c, moved
+      real(dp) :: m(lanes, 3), h(lanes), y0(lanes, 3), q0(lanes, 4), y(lanes, 3), q(lanes, 4)
+      real(dp) :: z(lanes, 3), r(lanes, 4), carry(lanes, 7), other(lanes, 7)
+      integer :: status(lanes), few(lanes), i, k, l, shift, n
+      logical :: by_jacobi
+      stream = start_stream(66)
+      do i = 1, 40
+         do l = 1, lanes
+            call hard_body(stream, body_kinds(1 + int(size(body_kinds)*uniform(stream))), &
+               merge(0.15_dp, 4.0_dp, uniform(stream) < 0.7_dp), body)
+            m(l, :) = body%moments
+            y0(l, :) = body%y
+            q0(l, :) = body%q
+            h(l) = body%h
+         end do
+         shift = 1 + mod(5*i, 7)
+         n = group*(1 + mod(i, groups))
+         do k = 1, 4
+            by_jacobi = k > 2
+            y = y0
+            q = q0
+            z = cshift(y0, shift)
+            r = cshift(q0, shift)
+            status = poinsot_ok
+            few = poinsot_ok
+            carry = 0
+            other = 0
+            call make_lane_constants(m, groups, c, status)
+            call make_lane_constants(cshift(m, shift), n/group, moved, few)
+            if (mod(k, 2) == 1) then
+               call advance_each(c, by_jacobi, h, y, q, status, groups)
+               call advance_each(moved, by_jacobi, cshift(h, shift), z, r, few, n/group)
+            else
+               call advance_each(c, by_jacobi, h, y, q, status, groups, carry)
+               call advance_each(moved, by_jacobi, cshift(h, shift), z, r, few, n/group, other)
+            end if
+            y = cshift(y, shift)
+            q = cshift(q, shift)
+            status = cshift(status, shift)
+            carry = cshift(carry, shift)
+            call expect(error, same(n, y, q, z, r), "bits depend on the place")
+            call expect(error, all(status(:n) == few(:n)), "statuses")
+            call expect(error, all(abs(carry(:n, :) - other(:n, :)) <= 0), "carries")
+         end do
+      end do
+   end subroutine test_any_place
+
+   !> What no body has is refused, and the lanes beside it do not notice; few digits are taken.
+   subroutine test_refused(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(random_stream) :: stream
+      type(lane_constants) :: c
+      real(dp) :: m(lanes, 3), h(lanes), y0(lanes, 3), q0(lanes, 4), y(lanes, 3), q(lanes, 4)
+      real(dp) :: nan
+      integer :: status(lanes), l
+      logical :: bad(lanes)
+      nan = ieee_value(nan, ieee_quiet_nan)
+      stream = start_stream(67)
+      call random_block(stream, y0, q0)
+      do l = 1, lanes
+         m(l, :) = generic*10.0_dp**(mod(7*l, 300) - 150)
+         h(l) = 0.1_dp*m(l, 1)
+      end do
+      bad = .false.
+      bad([2, 3, 5, 8, 13, 21, 30]) = .true.
+      m(2, :) = [1.0_dp, 1.0_dp, 2.1_dp]
+      m(3, :) = [nan, 1.0_dp, 1.0_dp]
+      m(5, :) = [1.0_dp, -1.0_dp, 1.0_dp]
+      m(8, :) = 0
+      m(13, :) = [0.0_dp, 1.0_dp, 2.0_dp]
+      m(21, :) = [1.0_dp, 1.0_dp, 1e-310_dp]
+      m(30, :) = [1.0_dp, huge(1.0_dp), 1.0_dp]
+      m(4, :) = [1.022_dp, 1.920_dp, 2.9421_dp]
+      m(6, :) = [0.0_dp, 1.0_dp, 1.000008_dp]
+      y0(6, 1) = 0
+      h([2, 3, 4, 5, 6, 8, 13, 21, 30]) = 0.1_dp
+      status = poinsot_ok
+      call make_lane_constants(m, groups, c, status)
+      call expect(error, all((status == poinsot_e_domain) .eqv. bad), "what is refused")
+      y = y0
+      q = q0
+      call advance_each(c, .false., h, y, q, status, groups)
+      call expect(error, all((status == poinsot_e_domain) .eqv. bad), "other statuses")
+      do l = 1, lanes
+         if (bad(l)) call expect(error, all(abs(y(l, :) - y0(l, :)) <= 0) .and. &
+            all(abs(q(l, :) - q0(l, :)) <= 0), "a refused body moves")
+         call within(error, norm2(y(l, :))/norm2(y0(l, :)) - 1, 1e-15_dp, "|y|")
+         call within(error, norm2(q(l, :)) - 1, 1e-15_dp, "|q|")
+         call expect(error, bad(l) .or. any(abs(q(l, :) - q0(l, :)) > 1e-3_dp), "stands still")
+      end do
+      ! a step that no double holds
+      h = 1e300_dp
+      status = poinsot_ok
+      m = spread(generic, 1, lanes)
+      call make_lane_constants(m, groups, c, status)
+      call advance_each(c, .false., h, y, q, status, groups)
+      call expect(error, all(status == poinsot_e_step), "far too long a step")
+   end subroutine test_refused
+
+   !> Many steps: |y|, energy and |q| with plain and with compensated sums.
+   subroutine test_long_run(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: many = 20000
+      type(random_stream) :: stream
+      type(lane_constants) :: c
+      real(dp) :: m(lanes, 3), h(lanes), y0(lanes, 3), y(lanes, 3), q(lanes, 4), carry(lanes, 7)
+      real(dp) :: before, after
+      integer :: status(lanes), k, l
+      stream = start_stream(68)
+      do k = 1, 2
+         call random_block(stream, y0, q)
+         do l = 1, lanes
+            m(l, :) = generic_moments(stream)
+            h(l) = 0.08_dp/norm2(y0(l, :)/m(l, :))
+         end do
+         y = y0
+         status = poinsot_ok
+         carry = 0
+         call make_lane_constants(m, 1, c, status)
+         do l = 1, many
+            if (k == 1) call advance_each(c, .false., h, y, q, status, 1)
+            if (k == 2) call advance_each(c, .false., h, y, q, status, 1, carry)
+         end do
+         do l = 1, group
+            before = sum(y0(l, :)**2/m(l, :))
+            after = sum(y(l, :)**2/m(l, :))
+            call within(error, after/before - 1, merge(4e-14_dp, 2e-15_dp, k == 1), "energy")
+            call within(error, norm2(y(l, :))/norm2(y0(l, :)) - 1, &
+               merge(2e-14_dp, 1e-15_dp, k == 1), "|y|")
+            call within(error, norm2(q(l, :)) - 1, 5e-16_dp, "|q|")
+         end do
+      end do
+   end subroutine test_long_run
 
 end module test_free_lanes

@@ -14,12 +14,13 @@ module poinsot_body_constants
    use poinsot_body_series_start, only: start_degree, start_series
    implicit none(type, external)
    private
-   public :: lane_constants, make_constants, choose
+   public :: lane_constants, make_constants
 
    !> Constants of a block of bodies, axes sorted (mathematics, sections 2 and 3).
    type :: lane_constants
       real(dp), dimension(lanes, 3) :: moments    !! ascending, over `scale`
-      real(dp), dimension(lanes, 3) :: inverse    !! parity/moment, caller's unit; 0 for a zero one
+      real(dp), dimension(lanes, 3) :: inverse    !! 1/moment, caller's unit; 0 for a zero one
+      real(dp), dimension(lanes) :: largest_inverse !! of these
       real(dp), dimension(lanes) :: scale         !! power of two near the largest moment
       real(dp), dimension(lanes) :: parity        !! +1 or -1: sign of the permutation
       integer(i8), dimension(lanes, 3) :: exchange !! masks: axes 1 and 2, 2 and 3, 1 and 2 have
@@ -27,14 +28,18 @@ module poinsot_body_constants
       real(dp), dimension(lanes) :: top           !! I3 - I2, at most I1 for a body
       real(dp), dimension(lanes, 3) :: a          !! (I3-I2)/I1, (I3-I1)/I2, (I2-I1)/I3; a(1) = 0 if
                                                   !! I1 = 0
+      real(dp), dimension(lanes) :: b4, c4        !! a1 a2/4, a2 a3/4
       real(dp), dimension(lanes) :: theta         !! (I3-I2)/(I3-I1); 1/2 for a sphere
       real(dp), dimension(lanes) :: k1            !! theta I2/I1; 0 if I1 = 0
       real(dp), dimension(lanes) :: k3            !! (1-theta) I2/I3
       real(dp), dimension(lanes) :: f1            !! (I3-I2)/I3
+      real(dp), dimension(lanes) :: reach         !! (h |omega|)^2 to which the short series of the
+                                                  !! exact step are exact to rounding
       !> Series (1 + P)/2 and (1 + R)/2: coefficient (i, j) of p^i r^j to degree 4, others not set
       real(dp), dimension(lanes, 0:start_degree, 0:start_degree) :: half_p, half_r
    end type lane_constants
 
+   real(dp), parameter :: least_reach = 0.0128_dp !! the smallest of any body with b, c <= 1: .1135^2
    integer(i8), parameter :: exponent_bits = 9218868437227405312_i8
    integer(i8), parameter :: top_exponent = 9214364837600034816_i8 !! of 2**1023
    integer(i8), parameter :: least = shiftl(30_i8, 52), greatest = shiftl(2016_i8, 52)
@@ -54,6 +59,10 @@ contains
       do l = 1, group*nvec
          b(l) = c%a(l, 1)*c%a(l, 2)
          bm(l) = c%a(l, 2)*c%a(l, 3)
+         c%b4(l) = 0.25_dp*b(l)
+         c%c4(l) = 0.25_dp*bm(l)
+         ! a part of degree n has at most the n-th power of b or of c
+         c%reach(l) = least_reach/max(1.0_dp, b(l), bm(l))
       end do
       call start_series(nvec, b, bm, c%a(:, 2), c%half_p, c%half_r)
    end subroutine make_constants
@@ -121,10 +130,11 @@ contains
          w1 = choose(some, 1.0_dp, 0.0_dp)/choose(some, i1, 1.0_dp)
          w2 = 1/i2
          w3 = 1/i3
-         down = transfer(top_exponent - transfer(c%scale(l), some), down)*c%parity(l)
+         down = transfer(top_exponent - transfer(c%scale(l), some), down)
          c%inverse(l, 1) = w1*down
          c%inverse(l, 2) = w2*down
          c%inverse(l, 3) = w3*down
+         c%largest_inverse(l) = max(c%inverse(l, 1), c%inverse(l, 2))
          top = i3 - i2
          body = not(below((i1 + i2)*(1 + moment_tolerance), i3))
          top = choose(iand(body, below(i1, top)), i1, top)

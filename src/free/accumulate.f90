@@ -9,7 +9,7 @@ module poinsot_free_accumulate
    use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
-   public :: add_plain, add_compensated, add_kick, add_kick_compensated, conserve
+   public :: add_plain, add_compensated, add_kick, add_kick_compensated, conserve, conserve_each
 
 contains
 
@@ -108,27 +108,47 @@ contains
    !> gained there. Both go into the carry: in dy they would be rounded again. dE is taken about the
    !> middle axis, dE - dC/I2: one term less that rounds.
    pure subroutine conserve(class, energy, h, y, dy, carry, nvec)
-      integer, intent(in), optional :: nvec
       type(body_class), intent(in) :: class  !! of these bodies
       logical, intent(in) :: energy          !! does the method conserve energy?
       real(dp), intent(in) :: h(lanes), y(lanes, 3), dy(lanes, 3)
       real(dp), intent(inout) :: carry(lanes, 7)
+      integer, intent(in), optional :: nvec
+      real(dp) :: inverse(lanes, 3)
+      integer :: j, l, n
+      n = working(nvec)
+      do j = 1, 3
+         !GCC$ ivdep
+         do l = 1, n
+            inverse(l, j) = class%inverse(j)
+         end do
+      end do
+      call conserve_each(inverse, class%order, energy, h, y, dy, carry, nvec)
+   end subroutine conserve
+
+   !> The same for bodies that all differ.
+   pure subroutine conserve_each(inverse, order, energy, h, y, dy, carry, nvec)
+      real(dp), intent(in) :: inverse(lanes, 3) !! 1/moment, or minus that for all three
+      integer, intent(in) :: order(3)           !! of the axes, by moment
+      logical, intent(in) :: energy
+      real(dp), intent(in) :: h(lanes), y(lanes, 3), dy(lanes, 3)
+      real(dp), intent(inout) :: carry(lanes, 7)
+      integer, intent(in), optional :: nvec
       real(dp) :: i1, i2, i3, d13, d23, w1, w2, w3, y1, y2, y3, d1, d2, d3, m1, m2, m3, r1, r2, r3
       real(dp) :: e, c, yy, yw, ww, gg, f, scale, biggest, alive, wanted
       integer :: l, j1, j2, j3, n
       real(dp), parameter :: small = 1e-4_dp
       n = working(nvec)
-      j1 = class%order(1)
-      j3 = class%order(2)
-      j2 = class%order(3)
-      i1 = class%inverse(j1)
-      i2 = class%inverse(j2)
-      i3 = class%inverse(j3)
-      d13 = i1 - i3
-      d23 = i2 - i3
+      j1 = order(1)
+      j3 = order(2)
+      j2 = order(3)
       wanted = merge(1.0_dp, 0.0_dp, energy)
       !GCC$ ivdep
       do l = 1, n
+         i1 = inverse(l, j1)
+         i2 = inverse(l, j2)
+         i3 = inverse(l, j3)
+         d13 = i1 - i3
+         d23 = i2 - i3
          y1 = y(l, j1) + dy(l, j1)
          y2 = y(l, j2) + dy(l, j2)
          y3 = y(l, j3) + dy(l, j3)
@@ -168,6 +188,6 @@ contains
          carry(l, j2) = carry(l, j2) - biggest*(c*y2 + f*w2)
          carry(l, j3) = carry(l, j3) - biggest*(c*y3 + f*w3)
       end do
-   end subroutine conserve
+   end subroutine conserve_each
 
 end module poinsot_free_accumulate

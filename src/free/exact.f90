@@ -10,7 +10,7 @@ module poinsot_free_exact
    use poinsot_free_jacobi_solution, only: jacobi_increment
    implicit none(type, external)
    private
-   public :: exact_increment, exact_step
+   public :: exact_increment, exact_step, count_substeps
 
    integer, parameter :: most_substeps = 4 !! beyond, Jacobi's functions are cheaper, and as exact
    real(dp), parameter :: longest_phase = 1e15_dp !! h |omega| beyond which no digit of the angle is
@@ -58,22 +58,32 @@ contains
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
       integer, intent(inout) :: status(lanes)
       real(dp), dimension(lanes) :: parts, short, long
-      real(dp) :: dy(lanes, 3), dq(lanes, 4)
-      logical :: too_long
-      integer :: l
+      real(dp) :: dy(lanes, 3), dq(lanes, 4), ys(lanes, 3), qs(lanes, 4), yl(lanes, 3), ql(lanes, 4)
+      logical :: too_long, single(lanes)
+      integer :: l, n
 
       call substeps(nvec, class, h, y, parts, status)
-      do l = 1, group*nvec
-         short(l) = merge(h(l), 0.0_dp, nint(parts(l)) == 1)
-         long(l) = merge(h(l), 0.0_dp, parts(l) > 1.5_dp)
-         if (.not. parts(l) > 1.5_dp) parts(l) = 0
+      n = group*nvec
+      single(:n) = nint(parts(:n)) == 1
+      short(:n) = merge(h(:n), 0.0_dp, single(:n))
+      ys(:n, :) = y(:n, :)
+      qs(:n, :) = q(:n, :)
+      call single_pass(nvec, class, short, ys, qs, too_long)
+      where (single(:n)) parts(:n) = 0
+      call long_increment(nvec, class, terms, parts, h, y, q, dy, dq, status)
+      long(:n) = merge(h(:n), 0.0_dp, parts(:n) > 0 .and. status(:n) == poinsot_ok)
+      yl(:n, :) = y(:n, :)
+      ql(:n, :) = q(:n, :)
+      call add_plain(long, dy, dq, yl, ql, nvec)
+      do l = 1, n ! each lane from the way it takes, without as much as a zero added by the other
+         if (single(l)) then
+            y(l, :) = ys(l, :)
+            q(l, :) = qs(l, :)
+         else if (abs(long(l)) > 0) then
+            y(l, :) = yl(l, :)
+            q(l, :) = ql(l, :)
+         end if
       end do
-      call single_pass(nvec, class, short, y, q, too_long)
-      call long_increment(nvec, class, terms, parts, long, y, q, dy, dq, status)
-      do l = 1, group*nvec
-         if (status(l) /= poinsot_ok) long(l) = 0
-      end do
-      call add_plain(long, dy, dq, y, q, nvec)
    end subroutine long_step
 
    !> How many substeps each lane takes; more than most_substeps: Jacobi's functions; 0 and a status
@@ -112,7 +122,7 @@ contains
       real(dp), dimension(lanes) :: parts, step
       real(dp) :: ys(lanes, 3), qs(lanes, 4), ddy(lanes, 3), ddq(lanes, 4)
       logical :: too_long
-      integer :: n, k
+      integer :: n, k, l
 
       n = group*nvec
       parts(:n) = substeps_of(:n)
@@ -123,14 +133,19 @@ contains
          call jacobi_increment(nvec, class, terms, step, y, q, dy, dq, status)
          where (parts(:n) > most_substeps) parts(:n) = 0
       end if
+      ys(:n, :) = y(:n, :)
+      qs(:n, :) = q(:n, :)
       do k = 1, nint(maxval(parts(:n)))
          step(:n) = merge(h(:n), 0.0_dp, k <= parts(:n))/max(parts(:n), 1.0_dp)
-         ys(:n, :) = y(:n, :) + dy(:n, :)
-         qs(:n, :) = q(:n, :) + dq(:n, :)
          call single_pass_increments(nvec, class, step, ys, qs, ddy, ddq, too_long)
          if (too_long) exit
-         dy(:n, :) = dy(:n, :) + ddy(:n, :)
-         dq(:n, :) = dq(:n, :) + ddq(:n, :)
+         do l = 1, n
+            if (k > parts(l)) cycle
+            dy(l, :) = merge(ddy(l, :), dy(l, :) + ddy(l, :), k == 1)
+            dq(l, :) = merge(ddq(l, :), dq(l, :) + ddq(l, :), k == 1)
+            ys(l, :) = y(l, :) + dy(l, :)
+            qs(l, :) = q(l, :) + dq(l, :)
+         end do
       end do
    end subroutine long_increment
 

@@ -15,7 +15,7 @@ module poinsot_free_exact_step
    use poinsot_body_series_start, only: axis_series
    implicit none(type, external)
    private
-   public :: single_pass, single_pass_increments, step_sizes
+   public :: single_pass, single_pass_increments, step_sizes, step_rotation
 
    !> The rotation of a step, axes sorted.
    type :: step_rotation

@@ -512,9 +512,9 @@ contains
       end do
    end subroutine rotation
 
-   !> Back to the caller's axes and units: y(h) - y and q o (rho - 1). What the increment d of y would
-   !> change of A and then of |y|^2 is taken off, in proportion to the components and before the new
-   !> momentum is rounded: on a symmetric body the same rounding comes back every step.
+   !> Back to the caller's axes and units: y(h) - y and q o (rho - 1). What the increment d of y
+   !> would change of A and then of |y|^2 is taken off, in proportion to the components and before
+   !> the new momentum is rounded: on a symmetric body the same rounding comes back every step.
    pure subroutine increments(axes, start, finish, rho, q, dy, dq)
       type(axes_block), intent(in) :: axes
       type(start_type), intent(in) :: start
