@@ -106,31 +106,31 @@ contains
    end subroutine make_class
 
    !> The constants of the first body of a block, and those that only other methods need.
-   pure subroutine take_first(c, class)
+   pure subroutine take_first(c, one)
       type(lane_constants), intent(in) :: c
-      type(body_class), intent(inout) :: class
+      type(body_class), intent(inout) :: one
       real(dp) :: i1, i3, low
       integer :: j
-      class%sorted = c%moments(1, :)
-      class%scale = c%scale(1)
-      class%top = c%top(1)
-      class%a = c%a(1, :)
-      class%theta = c%theta(1)
-      class%k1 = c%k1(1)
-      class%k3 = c%k3(1)
-      class%f1 = c%f1(1)
-      class%half_p(:, 0) = axis_series
-      class%half_r(0, :) = axis_series
+      i1 = c%moments(1, 1)
+      i3 = c%moments(1, 3)
+      one%sorted = c%moments(1, :)
+      one%scale = c%scale(1)
+      one%top = c%top(1)
+      one%a = c%a(1, :)
+      one%theta = c%theta(1)
+      one%k1 = c%k1(1)
+      one%k3 = c%k3(1)
+      one%f1 = c%f1(1)
+      one%half_p(:, 0) = axis_series
+      one%half_r(0, :) = axis_series
       do j = 1, start_degree
-         class%half_p(:start_degree - j, j) = c%half_p(1, :start_degree - j, j)
-         class%half_r(j, :start_degree - j) = c%half_r(1, j, :start_degree - j)
+         one%half_p(:start_degree - j, j) = c%half_p(1, :start_degree - j, j)
+         one%half_r(j, :start_degree - j) = c%half_r(1, j, :start_degree - j)
       end do
-      i1 = class%sorted(1)
-      i3 = class%sorted(3)
       if (i3 <= i1) return
-      low = (class%sorted(2) - i1)/(i3 - i1)
-      class%g1 = ratio(class%theta, i1)*i3
-      class%g3 = low*(i1/i3)
+      low = (one%sorted(2) - i1)/(i3 - i1)
+      one%g1 = ratio(one%theta, i1)*i3
+      one%g3 = low*(i1/i3)
    end subroutine take_first
 
    !> Keep the series that a method with more terms of it needs than every class has (`dmv12` and

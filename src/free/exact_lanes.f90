@@ -134,8 +134,8 @@ contains
    ! -----------------------------------------------------------------------------------------------
 
    !> The state in sorted, right-handed axes. Is there a lane to be watched: one that has failed, or
-   !> whose y/I h might leave the range? That by the largest exponents in the block: no bit depends on
-   !> the answer.
+   !> whose y/I h might leave the range? That by the largest exponents in the block: no bit depends
+   !> on the answer.
    pure subroutine put_in_order(nvec, c, h, status, y, q, hs, ys, qs, watch)
       integer, intent(in) :: nvec
       type(lane_constants), intent(in) :: c
