@@ -96,6 +96,7 @@ contains
       if (size(it%acting%torques) == 0) it%scheme = free_scheme()
       call it%block%attach(it%class, it%method, it%acting, it%effects, 0_i8)
       it%block%compensated = .false.
+      it%block%n = lanes
    end subroutine set_up
 
    !> Places of the effects that act on class 1.

@@ -18,7 +18,7 @@ module poinsot_body_class
       short_product_error, long_sine_error
    implicit none(type, external)
    private
-   public :: body_class, make_class, extend_class, long_series
+   public :: body_class, make_class, extend_class, needs_more, long_series
    public :: series_levels, longest_step, highest_degree
 
    integer, parameter :: series_levels = 2              !! lengths of series the exact step offers
@@ -139,10 +139,17 @@ contains
       type(body_class), intent(inout) :: class
       integer, intent(in) :: terms !! degree in h^2, at most highest_degree; below 5 nothing is done
       integer :: failed
-      if (terms <= start_degree .or. allocated(class%higher)) return
+      if (.not. needs_more(class, terms)) return
       allocate (class%higher(0:highest_degree, 0:highest_degree, 2), stat=failed)
       if (failed == 0) call long_series(class, highest_degree, class%higher)
    end subroutine extend_class
+
+   !> Has a method more terms than the class keeps?
+   pure logical function needs_more(class, terms)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: terms
+      needs_more = terms > start_degree .and. .not. allocated(class%higher)
+   end function needs_more
 
    !> Coefficients (i, j) of p^i r^j of 1 + P and 1 + R to degree `terms`.
    pure subroutine long_series(class, terms, c)

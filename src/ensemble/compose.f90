@@ -3,6 +3,7 @@ module poinsot_ensemble_compose
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_size
+   use poinsot_body_class, only: extend_class
    use poinsot_effect_effect, only: effect, effect_item, flow_effect, pair_effect
    use poinsot_effect_frame, only: depends_on_frame, turn_settings, turn_class_vectors, &
       has_class_vectors
@@ -137,6 +138,7 @@ contains
          call turn_effect(plan%effects(i), to_matrix(plan%classes(c)%axes), plan%effects(next), error)
          if (raised(error)) return
       end do
+      call extend_class(plan%classes(c), plan%method%terms)
       call compose_class(plan%classes(c), acting(:n), plan%splitting, plan%effects, &
                          plan%composed(c), error)
    end subroutine compose_one

@@ -1,10 +1,10 @@
 !> Free rotation of many bodies of one kind: the shortest way in.
 module poinsot_ensemble_rotate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, group
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
-   use poinsot_body_class, only: body_class
+   use poinsot_body_class, only: body_class, extend_class, needs_more
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_drive, only: block_job, for_each_block
    use poinsot_free_method, only: free_method, advance
@@ -36,11 +36,17 @@ contains
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error   !! a step that is not finite
       type(rotate_job) :: job
+      type(body_class), target :: longer
 
       call check_step(h, steps, error)
       status = error%code
       if (status /= 0) return
       job%class => class
+      if (needs_more(class, method%terms)) then
+         longer = class
+         call extend_class(longer, method%terms)
+         job%class => longer
+      end if
       job%method = method
       job%h = h
       job%steps = steps
@@ -67,14 +73,15 @@ contains
    subroutine run_rotate(self, b)
       class(rotate_job), intent(inout) :: self
       type(block_flows), intent(inout) :: b
-      integer :: k
+      integer :: k, nvec
+      nvec = (b%n + group - 1)/group
       if (b%compensated) then
          do k = 1, self%steps
-            call advance(self%method, b%class, self%h, b%y, b%q, b%status, b%carry)
+            call advance(self%method, b%class, self%h, b%y, b%q, b%status, b%carry, nvec)
          end do
       else
          do k = 1, self%steps
-            call advance(self%method, b%class, self%h, b%y, b%q, b%status)
+            call advance(self%method, b%class, self%h, b%y, b%q, b%status, nvec=nvec)
          end do
       end if
    end subroutine run_rotate

@@ -5,7 +5,7 @@
 !> increment itself implies, and the norm of q. All are computed from increments and from the
 !> present state, never from stored invariants. Vilmart (2008), section 3.
 module poinsot_free_accumulate
-   use poinsot_core_kinds, only: dp, group, lanes
+   use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
@@ -153,7 +153,7 @@ contains
          y2 = y(l, j2) + dy(l, j2)
          y3 = y(l, j3) + dy(l, j3)
          biggest = abs(y1) + abs(y2) + abs(y3)
-         alive = merge(1.0_dp, 0.0_dp, biggest > tiny(1.0_dp))
+         alive = choose(below(tiny(1.0_dp), biggest), 1.0_dp, 0.0_dp)
          scale = alive/(biggest + (1 - alive))
          w1 = h(l)*(y1*i1)
          w2 = h(l)*(y2*i2)
@@ -182,12 +182,25 @@ contains
          w2 = w2 - yw*y2
          w3 = w3 - yw*y3
          gg = w1*w1 + w2*w2 + w3*w3
-         alive = merge(1.0_dp, 0.0_dp, gg > small*ww)
+         alive = choose(below(small*ww, gg), 1.0_dp, 0.0_dp)
          f = wanted*alive*e/(gg + (1 - alive))
          carry(l, j1) = carry(l, j1) - biggest*(c*y1 + f*w1)
          carry(l, j2) = carry(l, j2) - biggest*(c*y2 + f*w2)
          carry(l, j3) = carry(l, j3) - biggest*(c*y3 + f*w3)
       end do
    end subroutine conserve_each
+
+   !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
+   elemental real(dp) function choose(mask, a, b)
+      integer(i8), intent(in) :: mask
+      real(dp), intent(in) :: a, b
+      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
+   end function choose
+
+   !> Mask of x < y, both finite and neither negative.
+   elemental integer(i8) function below(x, y)
+      real(dp), intent(in) :: x, y
+      below = shifta(transfer(x, below) - transfer(y, below), 63)
+   end function below
 
 end module poinsot_free_accumulate

@@ -166,7 +166,8 @@ contains
       !GCC$ ivdep
       do l = 1, group*nvec
          ee = e(l, 1)**2 + e(l, 2)**2 + e(l, 3)**2
-         found(l) = merge(1.0_dp, 0.0_dp, ee < 1 .and. moved(l) <= tolerance*ee)
+         found(l) = choose(iand(below(ee, 1.0_dp), not(below(tolerance*ee, moved(l)))), &
+            1.0_dp, 0.0_dp)
       end do
    end subroutine solve
 

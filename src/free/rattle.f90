@@ -17,7 +17,7 @@
 !> each step, first order in its defect: y goes through Q^T P twice a step, and a defect that stays
 !> would make |y| drift linearly.
 module poinsot_free_rattle
-   use poinsot_core_kinds, only: dp, group, groups, lanes
+   use poinsot_core_kinds, only: dp, i8, group, groups, lanes
    use poinsot_core_lanes, only: largest, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
    use poinsot_body_class, only: body_class
@@ -371,12 +371,12 @@ contains
          c(:, 2) = cross(slope(:, 3), slope(:, 1))
          c(:, 3) = cross(slope(:, 1), slope(:, 2))
          det = slope(1, 1)*c(1, 1) + slope(2, 1)*c(2, 1) + slope(3, 1)*c(3, 1)
-         det = active(l)/merge(det, 1.0_dp, abs(det) > 1e-8_dp)
+         det = active(l)/choose(below(1e-8_dp, abs(det)), det, 1.0_dp)
          do i = 1, 3
             d(i) = det*(c(1, i)*f(1) + c(2, i)*f(2) + c(3, i)*f(3))
          end do
          e(l, :) = x + d
-         moved(l) = merge(d(1)**2 + d(2)**2 + d(3)**2, moved(l), active(l) > 0)
+         moved(l) = choose(below(0.0_dp, active(l)), d(1)**2 + d(2)**2 + d(3)**2, moved(l))
       end do
    end subroutine newton
 
@@ -385,5 +385,18 @@ contains
       real(dp) :: c(3)
       c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
    end function cross
+
+   !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
+   elemental real(dp) function choose(mask, a, b)
+      integer(i8), intent(in) :: mask
+      real(dp), intent(in) :: a, b
+      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
+   end function choose
+
+   !> Mask of x < y, both finite and neither negative.
+   elemental integer(i8) function below(x, y)
+      real(dp), intent(in) :: x, y
+      below = shifta(transfer(x, below) - transfer(y, below), 63)
+   end function below
 
 end module poinsot_free_rattle

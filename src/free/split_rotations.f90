@@ -5,7 +5,7 @@
 !> with the smallest |1/Ia - 1/Ib| is the symmetric one, so that the method is exact for any two
 !> equal moments. Vilmart (2013), Algorithm 2 with the corrections of mathematics, section 1.
 module poinsot_free_split_rotations
-   use poinsot_core_kinds, only: dp, group, lanes
+   use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_lanes, only: largest
    use poinsot_core_status, only: poinsot_e_step
    use poinsot_body_class, only: body_class
@@ -176,6 +176,7 @@ contains
       real(dp), intent(in) :: dy(lanes, 3)
       real(dp), intent(inout) :: dq(lanes, 4)
       real(dp) :: half(lanes), s(lanes), c(lanes), v(lanes, 3), e, f, q0, q1, q2, q3
+      integer(i8) :: some
       integer :: l
       half = 0
       !GCC$ ivdep
@@ -188,7 +189,8 @@ contains
       call sincos_block(half, s, c)
       !GCC$ ivdep
       do l = 1, group*nvec
-         f = merge(s(l), 1.0_dp, half(l) > 0)/merge(half(l), 1.0_dp, half(l) > 0)
+         some = below(0.0_dp, half(l))
+         f = choose(some, s(l), 1.0_dp)/choose(some, half(l), 1.0_dp)
          e = -(s(l)*s(l))/(1 + c(l))
          q0 = q(l, 1) + dq(l, 1)
          q1 = q(l, 2) + dq(l, 2)
@@ -200,5 +202,18 @@ contains
          dq(l, 4) = dq(l, 4) + (e*q3 + f*(q0*v(l, 3) + q1*v(l, 2) - q2*v(l, 1)))
       end do
    end subroutine turn_along_momentum
+
+   !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
+   elemental real(dp) function choose(mask, a, b)
+      integer(i8), intent(in) :: mask
+      real(dp), intent(in) :: a, b
+      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
+   end function choose
+
+   !> Mask of x < y, both finite and neither negative.
+   elemental integer(i8) function below(x, y)
+      real(dp), intent(in) :: x, y
+      below = shifta(transfer(x, below) - transfer(y, below), 63)
+   end function below
 
 end module poinsot_free_split_rotations
