@@ -11,7 +11,7 @@
 set -u
 cd "$(dirname "$0")/.." || exit 1
 library=build/stage/lib/libpoinsot.a
-kernels="free_exact_step free_series free_moser_veselov free_accumulate free_split_rotations"
+kernels="free_exact_step free_exact_lanes free_jacobi_solution body_constants body_series_start free_series free_moser_veselov free_accumulate free_split_rotations"
 command -v objdump >/dev/null 2>&1 || { echo "assembly: no objdump here, not judged"; exit 0; }
 [ -f $library ] || { echo "assembly: run 'make build' first" >&2; exit 2; }
 [ "$(uname -m)" = x86_64 ] || { echo "assembly: not x86-64, not judged"; exit 0; }
