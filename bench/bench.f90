@@ -3,12 +3,13 @@
 !>
 !> usage: bench [--quick] FOLDER         FOLDER gets times.csv and errors.csv
 program bench
-   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_body_class, only: body_class, make_class
    use poinsot_effect_registry, only: effect_count, effect_name
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_free_method, only: free_method, find_method, method_names
+   use bench_kernels, only: kernel_table
    use bench_effect_plans, only: make_plan, add_any_effect, finish_plan
    use bench_measure, only: task_item, measure, clock_rate, median, minimum, spread_of, &
       median_cpu
@@ -55,6 +56,7 @@ program bench
    call effect_table()
    call thread_table()
    call verdict()
+   call kernels()
    close (times)
    close (errors)
 
@@ -530,6 +532,12 @@ contains
       print "(3x, a, es8.1, a, es8.1)", "   their errors: DOP853 ", wrong(dop, 3), ", exact ", &
          wrong(1, 4)
    end subroutine verdict
+
+   subroutine kernels()
+      real(dp) :: y(3, lanes), q(4, lanes)
+      call random_bodies(y, q)
+      call kernel_table(y, q)
+   end subroutine kernels
 
    integer function rival_number(name)
       character(*), intent(in) :: name

@@ -45,9 +45,9 @@ machine() {
 mkdir -p $out
 rm -f $out/*.csv $out/report.txt
 
-for file in runge_kutta yardsticks measure tasks effect_plans; do compile $file.f90; done
+for file in runge_kutta yardsticks measure tasks effect_plans kernels; do compile $file.f90; done
 objects=
-for file in runge_kutta yardsticks measure tasks effect_plans; do objects="$objects $out/$file.f90.o"; done
+for file in runge_kutta yardsticks measure tasks effect_plans kernels; do objects="$objects $out/$file.f90.o"; done
 compile bench.f90
 "$FC" $flags $objects $out/bench.f90.o $libraries -o $out/bench || exit 1
 
@@ -66,12 +66,12 @@ instructions() {
    compile counted.f90
    "$CC" -O2 -c bench/mark.c -o $out/mark.o && "$CC" -O2 bench/stepper.c -o $out/stepper || return 0
    "$FC" $flags -no-pie $objects $out/mark.o $out/counted.f90.o $libraries -o $out/counted || return 0
-   $out/stepper $out/counted $out >$out/steps.txt || { echo "7. instructions: single steps are not permitted here"; return 0; }
+   $out/stepper $out/counted $out >$out/steps.txt || { echo "8. instructions: single steps are not permitted here"; return 0; }
    objdump -d --no-show-raw-insn $out/counted >$out/counted.s
    awk -f bench/mix.awk $out/regions.txt $out/counted.s $out/steps.txt >$out/instructions.csv
    awk -v functions=1 -f bench/mix.awk $out/regions.txt $out/counted.s $out/steps.txt | sort -t, -k1,2 -k4,4nr >$out/functions.csv
    echo
-   echo "7. instructions per body-step, by kind (kernel: one step of a block; step: one step more in a call; functions.csv: where)"
+   echo "8. instructions per body-step, by kind (kernel: one step of a block; step: one step more in a call; functions.csv: where)"
    echo
    awk -F, 'NR == 1 || $1 == "kernel" || $1 == "step" || $1 == "call"' $out/instructions.csv | awk -F, '
       { printf "   %-8s %-22s %8s %13s %7s %7s %11s %18s %16s %7s\n", $1, $2, $3, $4, $5, $6, $7, $8, $9, $10 }'

@@ -87,6 +87,7 @@ contains
       integer, intent(in), optional :: nvec
       working = lanes
       if (present(nvec)) working = group*nvec
+      working = iand(working, not(group - 1)) ! says to the compiler that none is left over
    end function working
 
    !> x + carry + d without loss: Knuth's sum, no test of sizes.
@@ -122,7 +123,7 @@ contains
             inverse(l, j) = class%inverse(j)
          end do
       end do
-      call conserve_each(inverse, class%order, energy, h, y, dy, carry, nvec)
+      call conserve_each(inverse, class%order, energy, h, y, dy, carry, n/group)
    end subroutine conserve
 
    !> The same for bodies that all differ.
@@ -132,12 +133,12 @@ contains
       logical, intent(in) :: energy
       real(dp), intent(in) :: h(lanes), y(lanes, 3), dy(lanes, 3)
       real(dp), intent(inout) :: carry(lanes, 7)
-      integer, intent(in), optional :: nvec
+      integer, intent(in) :: nvec
       real(dp) :: i1, i2, i3, d13, d23, w1, w2, w3, y1, y2, y3, d1, d2, d3, m1, m2, m3, r1, r2, r3
       real(dp) :: e, c, yy, yw, ww, gg, f, scale, biggest, alive, wanted
       integer :: l, j1, j2, j3, n
       real(dp), parameter :: small = 1e-4_dp
-      n = working(nvec)
+      n = iand(group*nvec, not(group - 1))
       j1 = order(1)
       j3 = order(2)
       j2 = order(3)

@@ -11,8 +11,8 @@
 !> are held by masks, so a lane's bits depend on that lane alone. Momenta are divided by a power of
 !> two near |y|, moments by one near the largest.
 module poinsot_free_jacobi_solution
-   use poinsot_core_kinds, only: dp, i8, group, lanes
-   use poinsot_core_status, only: poinsot_e_step
+   use poinsot_core_kinds, only: dp, i8, group, groups, lanes
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_body_constants, only: lane_constants
    use poinsot_elliptic_elementary, only: atan2_block, sincos_block
@@ -40,9 +40,8 @@ module poinsot_free_jacobi_solution
    type :: axes_block
       integer :: order(3) = [1, 2, 3]           !! which columns of y and q are the sorted axes
       real(dp) :: parity = 1                    !! of this order
-      real(dp), dimension(lanes) :: scale = 1   !! of the moments, a power of two
-      real(dp), dimension(lanes) :: c1 = 0.5_dp, c2 = 0.5_dp, m1 = 1, m3 = 1
-      real(dp), dimension(lanes) :: rate = 0, exchanged_rate = 0
+      real(dp), dimension(lanes) :: scale       !! of the moments, a power of two
+      real(dp), dimension(lanes) :: c1, c2, m1, m3, rate, exchanged_rate
    end type axes_block
 
    !> The lanes at the start of the step.
@@ -124,8 +123,40 @@ contains
       call block_increment(nvec, axes, h, y, q, dy, dq, status)
    end subroutine jacobi_lanes
 
+   !> Lanes behind the first groups stand still.
    pure subroutine block_increment(nvec, axes, h, y, q, dy, dq, status)
       integer, intent(in) :: nvec
+      type(axes_block), intent(inout) :: axes
+      real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
+      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      real(dp) :: hs(lanes), ys(lanes, 3), qs(lanes, 4)
+      integer :: all_status(lanes), n
+      if (nvec == groups) then
+         call whole_block(axes, h, y, q, dy, dq, status)
+         return
+      end if
+      n = group*nvec
+      hs(:n) = h(:n)
+      ys(:n, :) = y(:n, :)
+      qs(:n, :) = q(:n, :)
+      all_status(:n) = status(:n)
+      hs(n + 1:) = 0
+      ys(n + 1:, :) = 0
+      qs(n + 1:, :) = 0
+      all_status(n + 1:) = poinsot_ok
+      axes%scale(n + 1:) = 1
+      axes%c1(n + 1:) = 0.5_dp
+      axes%c2(n + 1:) = 0.5_dp
+      axes%m1(n + 1:) = 1
+      axes%m3(n + 1:) = 1
+      axes%rate(n + 1:) = 0
+      axes%exchanged_rate(n + 1:) = 0
+      call whole_block(axes, hs, ys, qs, dy, dq, all_status)
+      status(:n) = all_status(:n)
+   end subroutine block_increment
+
+   pure subroutine whole_block(axes, h, y, q, dy, dq, status)
       type(axes_block), intent(in) :: axes
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
@@ -133,18 +164,10 @@ contains
       type(start_type) :: start
       type(end_type) :: finish
       real(dp), dimension(lanes) :: s, c, d, turns, sf, cf
-      real(dp) :: hs(lanes), ys(lanes, 3), qs(lanes, 4), rho(lanes, 4)
+      real(dp) :: rho(lanes, 4)
       integer(i8) :: too_long(lanes)
-      integer :: n
 
-      n = group*nvec                           ! lanes behind these stand still
-      hs(:n) = h(:n)
-      ys(:n, :) = y(:n, :)
-      qs(:n, :) = q(:n, :)
-      hs(n + 1:) = 0
-      ys(n + 1:, :) = 0
-      qs(n + 1:, :) = 0
-      call scale_lanes(axes, hs, ys, start, too_long)
+      call scale_lanes(axes, h, y, start, too_long)
       call order_axes(axes, start)
       call find_phase(axes, start, too_long)
       call jacobi_block(start%w, start%k2, start%kc2, s, c, d, turns)
@@ -155,9 +178,9 @@ contains
       call third_kind(start, s, c, d, turns, finish)
       if (any(abs(turns) > 0.0_dp)) call whole_turns(start, turns, finish)
       call rotation(start, finish, rho)
-      call increments(axes, start, finish, rho, qs, dy, dq)
-      where (too_long(:n) /= 0_i8) status(:n) = poinsot_e_step
-   end subroutine block_increment
+      call increments(axes, start, finish, rho, q, dy, dq)
+      where (too_long /= 0_i8) status = poinsot_e_step
+   end subroutine whole_block
 
    !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
    elemental real(dp) function choose(mask, a, b)

@@ -178,23 +178,28 @@ contains
       integer, intent(in) :: nvec
       real(dp), intent(in) :: quadratic, z(lanes, 3), kappa(lanes, 3)
       real(dp), intent(inout) :: e(lanes, 3), found(lanes)
-      real(dp) :: active(lanes), moved(lanes), ee
+      real(dp), dimension(lanes) :: active, moved, ee, limit
+      real(dp) :: enough
       integer :: k, l
       integer, parameter :: most = 30 !! 2**-30: closer roots are one to a double
       real(dp), parameter :: tolerance(2) = [1e-24_dp, 1e-14_dp] !! where roots lie close, rounding
                                                                   !! moves a lane to the end
       do l = 1, group*nvec
-         active(l) = 1 - found(l)
+         active(l) = merge(0.0_dp, 1.0_dp, found(l) > 0)
          moved(l) = 0
          if (active(l) > 0) e(l, :) = z(l, :)
       end do
       do k = 1, most
          call newton(nvec, quadratic, z, kappa, active, e, moved)
+         enough = tolerance(merge(1, 2, k < most))
+         do l = 1, group*nvec
+            ee(l) = e(l, 1)**2 + e(l, 2)**2 + e(l, 3)**2
+            limit(l) = enough*ee(l)
+         end do
          do l = 1, group*nvec
             if (.not. active(l) > 0) cycle
-            ee = e(l, 1)**2 + e(l, 2)**2 + e(l, 3)**2
-            if (ee < 1 .and. moved(l) <= tolerance(merge(1, 2, k < most))*ee) found(l) = 1
-            if (found(l) > 0 .or. ee > 16) active(l) = 0
+            if (ee(l) < 1 .and. moved(l) <= limit(l)) found(l) = 1
+            if (found(l) > 0 .or. ee(l) > 16) active(l) = 0
          end do
          if (.not. largest(nvec, active) > 0) exit
       end do

@@ -46,24 +46,25 @@ contains
       integer, intent(in) :: nvec, degree, most
       real(dp), intent(in) :: c(0:most, 0:most), x(lanes), y(lanes)
       real(dp), intent(out) :: f(lanes)
-      integer :: l
+      integer :: l, n
+      n = iand(group*nvec, not(group - 1)) ! says to the compiler that no lane is left over
       select case (degree)
       case (1)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 1)
             f(l) = f(l)*y(l) + h1(c(0, 0), x(l))
          end do
       case (2)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 2)
             f(l) = f(l)*y(l) + h1(c(0, 1), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 0), x(l))
          end do
       case (3)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 3)
             f(l) = f(l)*y(l) + h1(c(0, 2), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 1), x(l))
@@ -71,7 +72,7 @@ contains
          end do
       case (4)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 4)
             f(l) = f(l)*y(l) + h1(c(0, 3), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 2), x(l))
@@ -80,7 +81,7 @@ contains
          end do
       case (5)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 5)
             f(l) = f(l)*y(l) + h1(c(0, 4), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 3), x(l))
@@ -90,7 +91,7 @@ contains
          end do
       case (6)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 6)
             f(l) = f(l)*y(l) + h1(c(0, 5), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 4), x(l))
@@ -101,7 +102,7 @@ contains
          end do
       case (7)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 7)
             f(l) = f(l)*y(l) + h1(c(0, 6), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 5), x(l))
@@ -113,7 +114,7 @@ contains
          end do
       case (8)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 8)
             f(l) = f(l)*y(l) + h1(c(0, 7), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 6), x(l))
@@ -126,7 +127,7 @@ contains
          end do
       case (9)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 9)
             f(l) = f(l)*y(l) + h1(c(0, 8), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 7), x(l))
@@ -140,7 +141,7 @@ contains
          end do
       case (10)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 10)
             f(l) = f(l)*y(l) + h1(c(0, 9), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 8), x(l))
@@ -155,7 +156,7 @@ contains
          end do
       case (11)
          !GCC$ ivdep
-         do l = 1, group*nvec
+         do l = 1, n
             f(l) = c(0, 11)
             f(l) = f(l)*y(l) + h1(c(0, 10), x(l))
             f(l) = f(l)*y(l) + h2(c(0, 9), x(l))
@@ -170,7 +171,7 @@ contains
             f(l) = f(l)*y(l) + h11(c(0, 0), x(l))
          end do
       case default
-         f(:group*nvec) = 0.5_dp
+         f(:n) = 0.5_dp
       end select
    end subroutine polynomial
 

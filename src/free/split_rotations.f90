@@ -31,9 +31,9 @@ contains
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       integer, intent(inout) :: status(lanes)
       integer, parameter :: axis(5) = [3, 2, 1, 2, 3]
-      real(dp), parameter :: part(5) = [0.5_dp, 0.5_dp, 1.0_dp, 0.5_dp, 0.5_dp]
-      real(dp) :: hl(lanes), half(lanes)
-      integer :: k, j, n
+      real(dp), parameter :: half_part(5) = [0.25_dp, 0.25_dp, 0.5_dp, 0.25_dp, 0.25_dp]
+      real(dp) :: hl(lanes), half(lanes), factor
+      integer :: k, j, l, n
 
       n = group*nvec
       half = 0
@@ -47,7 +47,11 @@ contains
       end if
       do k = 1, size(axis)
          j = axis(k)
-         half(:n) = (0.5_dp*part(k))*((y(:n, j) + dy(:n, j))*class%inverse(j)*hl(:n))
+         factor = half_part(k)
+         !GCC$ ivdep
+         do l = 1, group*nvec
+            half(l) = factor*((y(l, j) + dy(l, j))*class%inverse(j)*hl(l))
+         end do
          call refuse_wide_turns(nvec, half, status)
          call turn_about(nvec, j, half, y, q, dy, dq)
       end do
