@@ -1,6 +1,7 @@
 !> What this program is: version, compiler and flags.
 module app_version
    use, intrinsic :: iso_fortran_env, only: compiler_version, compiler_options
+   use poinsot_api_build, only: built_with, build_level
    use poinsot_core_version, only: version_text
    use app_terminal, only: say
    implicit none(type, external)
@@ -17,6 +18,9 @@ contains
       call say("poinsot " // version_text)
       call say("compiler: " // compiler_version())
       call say("flags:    " // chosen(compiler_options()))
+      if (.not. built_with("release")) call say( &
+         "          not optimised: up to 20 times slower (with fpm: --profile release)")
+      if (build_level() /= "") call say("level:    " // trim(build_level()))
       call say("openmp:   " // trim(merge("yes", "no ", openmp)))
    end subroutine show_version
 

@@ -38,6 +38,7 @@ machine() {
    echo "system: $(uname -srm)"
    echo "compiler: $("$FC" --version | head -n 1)"
    echo "flags: $flags"
+   "$stage/bin/poinsot" --version | sed -n 's/^level: *\|^ *\(not optimised\)/level of processor: \1/p'
    echo "processor time, but table 5 by the wall; in brackets the minimum"
 }
 

@@ -62,7 +62,9 @@ int poinsot_version(void);
 /* What a status means: constant text, never NULL, also for a number that is none. */
 const char *poinsot_status_text(poinsot_status status);
 
-/* 1 if the build has a feature, else 0: "openmp", "lapack", "avx2", "fma", "avx512", ... NULL and unknown names: 0. */
+/* 1 if the build has a feature, else 0: "openmp", "lapack"; "release" (compiled with -O2 or -O3: another build is up to 20 times
+ * slower); of the processor "avx2", "fma", "avx512", ..., and "x86-64-v2", "x86-64-v3", "x86-64-v4" for a whole level: which of the
+ * levels of an installation was loaded. NULL and unknown names: 0. */
 int poinsot_has_feature(const char *name);
 
 /* Free methods, splittings and effects by number from 0: constant texts, NULL past the end. */

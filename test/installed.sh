@@ -50,6 +50,16 @@ static_c() {
    eval "$CC -std=c99 test/consumer/consumer.c -o $work/build/static $(config --cflags --libs --static |
       sed 's/-lpoinsot/-l:libpoinsot.a/')" && $work/build/static
 }
+# The whole program static, C library and all: nothing in it may be missing at exit.
+static_whole() {
+   eval "$CC -static -std=c99 test/consumer/consumer.c -o $work/build/static-whole $(config --cflags --libs --static |
+      sed 's/-lpoinsot/-l:libpoinsot.a/')" && $work/build/static-whole
+}
+static_works() {
+   echo 'int main(void) { return 0; }' >"$work/try.c" && "$CC" -static "$work/try.c" -o "$work/try" 2>/dev/null && "$work/try" &&
+      [ -f "$("$FC" -print-file-name=liblapack.a)" ]
+}
+ilp64() { with_shared "-std=c99 -Wall -Wextra -Werror" test/consumer/ilp64.c; }
 cpp() { eval "c++ -std=c++11 -Wall -Wextra -Werror -fsyntax-only -x c++ $(config --cflags) $header"; }
 fortran() {
    eval "$FC -J $work/build test/consumer/consumer.f90 -o $work/build/fortran $(config --cflags --libs)" &&
@@ -102,6 +112,11 @@ has_numpy() { "$PYTHON" -c "import numpy" 2>/dev/null; }
 older_processor() {
    eval "$CC -std=c99 test/consumer/older.c -o $work/build/older $(config --cflags --libs)" &&
       LD_LIBRARY_PATH=$prefix/lib qemu-x86_64 -cpu Nehalem $work/build/older
+}
+# A sentence and exit code 1, not SIGILL.
+older_processor_app() {
+   qemu-x86_64 -cpu Nehalem "$prefix/bin/poinsot" --version 2>"$work/said"
+   [ $? = 1 ] && cat "$work/said" && grep -q "compiled for a newer processor" "$work/said"
 }
 # valgrind does not know AVX-512: for builds without it (PORTABLE=1).
 abuse_valgrind() {
@@ -181,6 +196,18 @@ elsewhere() {
       tools/install.sh install "$other" "" lib64/deep "$here/mods" && ls "$other/lib64/deep/libpoinsot.so.0.0" &&
       tools/install.sh uninstall "$other" && [ -z "$(find "$other" -mindepth 1)" ] && [ ! -e "$here/mods" ]
 }
+# What README says one types, after what the installation says one sets, word by word in a shell of its own.
+readme_lines() {
+   plain=${prefix%/*}/plain
+   tools/install.sh install "$plain" >"$work/hints" && cat "$work/hints" && mkdir -p "$work/readme" || return 1
+   grep '^    \(gfortran\|gcc\) .*pkg-config' README.md >"$work/lines"
+   sed -n '/^program book/,/^end program book/p' README.md >"$work/readme/book.f90"
+   cp example/fixed/molecules.f example/c/heavy_top.c "$work/readme"
+   sed -n 's/^   export/export/p' "$work/hints" >"$work/readme/session"
+   while IFS= read -r line; do echo "$line && ./a.out || exit 1"; done <"$work/lines" >>"$work/readme/session"
+   (cd "$work/readme" && env -i HOME="$HOME" PATH="$PATH" OMP_NUM_THREADS=2 sh -x ./session) &&
+      [ "$(grep -c . "$work/lines")" -ge 3 ] && tools/install.sh uninstall "$plain"
+}
 nothing_left() { [ "$(cd "$prefix" && find . | sort | tr '\n' ' ')" = ". ./stranger " ] || { find "$prefix"; return 1; }; }
 
 expect "install" tools/install.sh install "$prefix"
@@ -205,6 +232,8 @@ if have pkg-config; then
    if [ -n "$have_api" ]; then
       expect "c-shared-by-pkg-config" shared_c
       [ "$(uname)" = Darwin ] || expect "c-static-by-pkg-config" static_c
+      if static_works; then expect "c-static-whole" static_whole; else skip "c-static-whole" "no static libc or LAPACK"; fi
+      [ "$(uname)" != Linux ] || expect "lapack-of-8-byte-integers" ilp64
       if have c++; then expect "c++-header" cpp; else skip "c++-header" "no c++"; fi
    fi
 else
@@ -231,6 +260,7 @@ if have pkg-config; then
    if [ "$(uname)" = Linux ]; then expect "no-memory" no_memory; else skip "no-memory" "for glibc"; fi
    if have qemu-x86_64 && native_build; then
       expect "older-processor" older_processor
+      expect "older-processor-app" older_processor_app
    else
       skip "older-processor" "no qemu-x86_64, or a build for any processor"
    fi
@@ -255,6 +285,7 @@ else
    skip "study-pictures" "no gnuplot"
 fi
 ! have pkg-config || expect "elsewhere" elsewhere
+if have pkg-config && have gfortran && have gcc; then expect "readme-lines" readme_lines; fi
 expect "uninstall" tools/install.sh uninstall "$prefix"
 expect "nothing-left" nothing_left
 

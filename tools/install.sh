@@ -161,6 +161,27 @@ put_tree() {
    done <"$scratch/files"
 }
 
+# What a shell needs to find it all; nothing where the system looks anyway, once ldconfig has seen the library.
+hints() {
+   case $libdir in /*) lib=$libdir ;; *) lib=$prefix/$libdir ;; esac
+   : >"$scratch/hints"
+   hint() { case :$3: in *:$2:*) ;; *) echo "   export $1=\"$2\${$1:+:\$$1}\"" >>"$scratch/hints" ;; esac; }
+   hint PATH "$prefix/bin" "$PATH"
+   hint PKG_CONFIG_PATH "$lib/pkgconfig" "${PKG_CONFIG_PATH:-}:$(pkg-config --variable pc_path pkg-config 2>/dev/null)"
+   case $prefix in /usr | /usr/local) ;; *) hint CMAKE_PREFIX_PATH "$prefix" "${CMAKE_PREFIX_PATH:-}" ;; esac
+   known=$(PATH=$PATH:/sbin:/usr/sbin ldconfig -v -N 2>/dev/null | sed -n 's,^\(/[^:]*\):.*,\1,p' | tr '\n' ':')
+   case :$known in
+   *:$lib:*)
+      if [ "$(id -u)" = 0 ] && PATH=$PATH:/sbin:/usr/sbin ldconfig 2>/dev/null; then
+         echo "ldconfig has been run: programs find the library"
+      else
+         echo "run 'ldconfig' as root once, so that programs find the library"
+      fi ;;
+   *) [ "$(uname)" = Darwin ] || hint LD_LIBRARY_PATH "$lib" "${LD_LIBRARY_PATH:-}" ;;
+   esac
+   [ ! -s "$scratch/hints" ] || { echo "for this prefix, in the shell:"; cat "$scratch/hints"; }
+}
+
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
@@ -202,3 +223,4 @@ folder share/poinsot
 echo "$list" >>"$scratch/list"
 cp "$scratch/list" "$root/$list"
 echo "installed under $root: $(grep -vc '/$' "$scratch/list") files"
+[ -n "$destdir" ] || hints

@@ -7,7 +7,7 @@ module poinsot_api_build
    use poinsot_core_version, only: version_number
    implicit none(type, external)
    private
-   public :: build_needs, build_version, built_with
+   public :: build_needs, build_version, built_with, build_level
 
    ! The compiler spells -march=native out.
    character(*), parameter :: options = compiler_options()//" "
@@ -48,14 +48,43 @@ module poinsot_api_build
 
 contains
 
-   !> Does the build use a feature of the processor, by its name above?
+   !> Does the build use a feature of the processor, by its name above, or all of a level's
+   !> (x86-64-v2, -v3, -v4)? "release": was it compiled with optimisation and without checks?
    pure logical function built_with(feature)
       character(*), intent(in) :: feature
       integer :: k
-      built_with = .false.
-      do k = 1, size(features)
-         if (features(k) == feature) built_with = btest(build_needs, k - 1)
-      end do
+      select case (feature)
+      case ("release")
+         built_with = (index(options, "-O2 ") > 0 .or. index(options, "-O3 ") > 0) .and. &
+                      index(options, "-fcheck=all") == 0
+      case ("x86-64-v2")
+         built_with = has_first(v2)
+      case ("x86-64-v3")
+         built_with = has_first(v3)
+      case ("x86-64-v4")
+         built_with = has_first(v4)
+      case default
+         built_with = .false.
+         do k = 1, size(features)
+            if (features(k) == feature) built_with = btest(build_needs, k - 1)
+         end do
+      end select
    end function built_with
+
+   !> The highest level of x86-64 that the build uses all of; "" on another kind of processor.
+   pure function build_level() result(name)
+      character(9) :: name
+      name = ""
+      if (index(options, "-march=") == 0 .or. machine(:3) == "arm") return
+      name = "x86-64"
+      if (has_first(v2)) name = "x86-64-v2"
+      if (has_first(v3)) name = "x86-64-v3"
+      if (has_first(v4)) name = "x86-64-v4"
+   end function build_level
+
+   pure logical function has_first(count)
+      integer, intent(in) :: count !! of the features
+      has_first = iand(build_needs, 2**count - 1) == 2**count - 1
+   end function has_first
 
 end module poinsot_api_build

@@ -54,6 +54,9 @@ static void send_workers_home(void) {
   if (omp_pause_resource_all) (void)omp_pause_resource_all(1);
 }
 __attribute__((constructor)) static void before_fork(void) { (void)pthread_atfork(send_workers_home, NULL, NULL); }
+
+/* The Fortran runtime knows these by weak references only: in a fully static program they would be NULL, and exit() call them. */
+__attribute__((used)) static int (*const needed_at_exit[])(pthread_mutex_t *) = {pthread_mutex_destroy, pthread_mutex_trylock};
 #endif
 
 /* A C function is one line here, one procedure in Fortran (bind(c, name="poinsot_do_...")), one declaration in poinsot.h and, for

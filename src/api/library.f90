@@ -39,7 +39,8 @@ contains
       if (status >= 0 .and. status <= last_status) status_text = c_loc(texts(status))
    end function status_text
 
-   !> 1 if the build has a feature: openmp, lapack, avx512, and others of the processor; else 0.
+   !> 1 if the build has a feature: openmp, lapack, release, avx512 and others of the processor, a
+   !> level of processors; else 0.
    integer(c_int) function has_feature(name) bind(c, name="poinsot_do_has_feature")
       type(c_ptr), value :: name
       character(:), allocatable :: asked

@@ -26,15 +26,18 @@ module poinsot_body_inertia
    integer, parameter :: least_exponent = -1000, greatest_exponent = 1000
 
    interface
-      !> LAPACK: eigenvalues, ascending, and eigenvectors of a symmetric matrix.
+      !> LAPACK: eigenvalues, ascending, and eigenvectors of a symmetric matrix. Integers of 8 bytes
+      !> are read right by a library of 4-byte integers too (their lower half comes first), and a
+      !> host may have brought one of 8-byte integers; `info`, of which the former writes half, is 0
+      !> before the call.
       subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
-         import :: dp
+         import :: dp, i8
          implicit none(type, external)
          character(1), intent(in) :: jobz, uplo
-         integer, intent(in) :: n, lda, lwork
+         integer(i8), intent(in) :: n, lda, lwork
          real(dp), intent(inout) :: a(lda, *)
          real(dp), intent(out) :: w(*), work(*)
-         integer, intent(out) :: info
+         integer(i8), intent(inout) :: info
       end subroutine dsyev
    end interface
 
@@ -63,7 +66,8 @@ contains
                                                   !! not symmetric, or no body's
       logical, intent(in), optional :: physical   !! as of `accept_moments`
       real(dp) :: work(64)
-      integer :: e, info
+      integer(i8) :: info
+      integer :: e
       logical :: diagonal
       moments = 0
       axes = identity_matrix
@@ -72,7 +76,8 @@ contains
       diagonal = is_diagonal(tensor)
       e = largest_exponent(reshape(tensor, [9]))
       axes = scale(tensor/2 + transpose(tensor)/2, -e)
-      call dsyev("V", "U", 3, axes, 3, moments, work, size(work), info)
+      info = 0
+      call dsyev("V", "U", 3_i8, axes, 3_i8, moments, work, size(work, kind=i8), info)
       if (info == 0) then
          if (.not. diagonal) call clean_moments(has_few_digits(tensor), moments)
          moments = scale(moments, e)

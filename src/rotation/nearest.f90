@@ -1,7 +1,7 @@
 !> Matrices that are rotations only nearly: is it one, and which one is nearest.
 module poinsot_rotation_nearest
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, i8
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_convergence
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_rotation_vector, only: identity_matrix, determinant, largest_exponent
@@ -14,15 +14,18 @@ module poinsot_rotation_nearest
    real(dp), parameter :: orthogonal_tolerance = 4e-6_dp
 
    interface
-      !> LAPACK: singular value decomposition A = U diag(s) V^T.
+      !> LAPACK: singular value decomposition A = U diag(s) V^T. Integers of 8 bytes are read right
+      !> by a library of 4-byte integers too (their lower half comes first), and a host may have
+      !> brought one of 8-byte integers; `info`, of which the former writes half, is 0 before the
+      !> call.
       subroutine dgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, info)
-         import :: dp
+         import :: dp, i8
          implicit none(type, external)
          character(1), intent(in) :: jobu, jobvt
-         integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
+         integer(i8), intent(in) :: m, n, lda, ldu, ldvt, lwork
          real(dp), intent(inout) :: a(lda, *)
          real(dp), intent(out) :: s(*), u(ldu, *), vt(ldvt, *), work(*)
-         integer, intent(out) :: info
+         integer(i8), intent(inout) :: info
       end subroutine dgesvd
    end interface
 
@@ -62,7 +65,7 @@ contains
                                                   !! no nearest one (rank below 2, or the tie of
                                                   !! a reflection)
       real(dp) :: a(3, 3), s(3), u(3, 3), vt(3, 3), work(64), handed
-      integer :: info
+      integer(i8) :: info
       rotation = identity_matrix
       if (.not. all(ieee_is_finite(matrix))) then
          call raise(error, poinsot_e_domain, &
@@ -70,7 +73,9 @@ contains
          return
       end if
       a = scale(matrix, -largest_exponent(reshape(matrix, [9])))
-      call dgesvd("A", "A", 3, 3, a, 3, s, u, 3, vt, 3, work, size(work), info)
+      info = 0
+      call dgesvd("A", "A", 3_i8, 3_i8, a, 3_i8, s, u, 3_i8, vt, 3_i8, work, size(work, kind=i8), &
+         info)
       if (info /= 0) then
          call raise(error, poinsot_e_convergence, &
             "nearest_rotation: LAPACK's dgesvd did not converge")

@@ -22,6 +22,11 @@ int main(void)
     for (i = 0; i < poinsot_method_count(); i++) REQUIRE(poinsot_method_name(i) != NULL);
     REQUIRE(poinsot_method_name(poinsot_method_count()) == NULL);
 
+    REQUIRE(poinsot_has_feature("lapack") == 1 && poinsot_has_feature("release") == 1);
+    REQUIRE(poinsot_has_feature("no such") == 0 && poinsot_has_feature(NULL) == 0);
+    REQUIRE(poinsot_has_feature("x86-64-v3") >= poinsot_has_feature("x86-64-v4"));
+    REQUIRE(poinsot_has_feature("avx2") >= poinsot_has_feature("x86-64-v3"));
+
     REQUIRE(poinsot_body_create(broken, &none) == POINSOT_E_DOMAIN && none == NULL);
     REQUIRE(poinsot_body_create(NULL, &none) == POINSOT_E_NULL);
     REQUIRE(poinsot_body_create(moments, &body) == POINSOT_OK && body != NULL);
