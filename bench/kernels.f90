@@ -16,7 +16,8 @@ module bench_kernels
 
 contains
 
-   !> Nanoseconds of one fused multiply-add of 8 doubles: 16 chains of them, none waiting for another.
+   !> Nanoseconds of one fused multiply-add of 8 doubles: 16 chains of them, which do not wait for
+   !> each other.
    real(dp) function fma_time()
       integer, parameter :: chains = 16, links = 2000
       real(dp) :: x(group, chains)

@@ -4,9 +4,10 @@ module test_body_series
    use testdrive, only: new_unittest, unittest_type, error_type
    use test_expectation, only: within, expect, accepted
    use test_bodies, only: random_stream, start_stream, uniform
-   use poinsot_core_kinds, only: dp, qp
+   use poinsot_core_kinds, only: dp, qp, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_body_class, only: body_class, make_class, series_levels, longest_step
+   use poinsot_body_constants, only: lane_constants, make_constants
    use poinsot_body_economization, only: first_kept, last_kept, economization_bound
    use poinsot_body_series, only: max_degree, first_tabulated, correction_series
    use poinsot_body_series_start, only: start_degree, axis_series
@@ -28,7 +29,8 @@ contains
          new_unittest("class-is-small", test_size), &
          new_unittest("series-of-sn", test_sine), &
          new_unittest("series-economized", test_economy), &
-         new_unittest("series-reach", test_reach)]
+         new_unittest("series-reach", test_reach), &
+         new_unittest("reach-of-each", test_reach_of_each)]
    end subroutine collect_body_series
 
    !> P and R against the recursion of mathematics section 3 in quadruple precision, every kind of
@@ -314,5 +316,30 @@ contains
          call expect(error, class%reach(2) <= longest_step**2, "too far")
       end do
    end subroutine test_reach
+
+   !> The reach that bodies with moments of their own take by a formula is never beyond that worked
+   !> out for their class; also for those that break the triangle inequality by what is accepted.
+   subroutine test_reach_of_each(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(random_stream) :: stream
+      type(body_class) :: class
+      type(lane_constants) :: c
+      type(poinsot_error) :: refusal
+      real(dp) :: moments(3), copies(lanes, 3)
+      integer :: k
+      stream = start_stream(1991)
+      do k = 1, 400
+         moments = some_body(stream, k)
+         if (mod(k, 5) == 0) moments(3) = (moments(1) + moments(2))*(1 + 9e-4_dp*uniform(stream))
+         if (mod(k, 15) == 0) moments = [1e-4_dp, 1.0_dp, 1.0009_dp]*(1 + uniform(stream))
+         call make_class(moments, class, refusal)
+         call accepted(error, refusal)
+         copies = spread(class%moments, 1, lanes)
+         call make_constants(1, copies, c)
+         call expect(error, c%reach(1) <= class%reach(1), "beyond the reach of the class")
+         call expect(error, c%reach(1) > 0.05_dp**2 .or. class%a(1) > 1, "too short")
+         call within(error, c%theta(1) - class%theta, 0.0_dp, "theta")
+      end do
+   end subroutine test_reach_of_each
 
 end module test_body_series

@@ -39,7 +39,7 @@ module poinsot_body_constants
       real(dp), dimension(lanes, 0:start_degree, 0:start_degree) :: half_p, half_r
    end type lane_constants
 
-   real(dp), parameter :: least_reach = 0.0128_dp !! of any body with b, c <= 1: .1135^2
+   real(dp), parameter :: least_reach = 0.0127_dp !! of any body with b, c <= 1: .113^2
    integer(i8), parameter :: exponent_bits = 9218868437227405312_i8
    integer(i8), parameter :: top_exponent = 9214364837600034816_i8 !! of 2**1023
    integer(i8), parameter :: least = shiftl(30_i8, 52), greatest = shiftl(2016_i8, 52)
