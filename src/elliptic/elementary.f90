@@ -12,7 +12,7 @@
 !> constants split so that every product is exact with or without fused multiply-add (W. J. Cody and
 !> W. Waite, Software Manual for the Elementary Functions, 1980).
 module poinsot_elliptic_elementary
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8, group, groups, lanes
    implicit none(type, external)
    private
    public :: sincos_block, sincos_pair_block, atan2_block, exp_block, log_block
@@ -64,26 +64,30 @@ module poinsot_elliptic_elementary
 contains
 
    !> Sine and cosine of each lane, within 1 ulp for |x| <= 1e9.
-   pure subroutine sincos_block(x, s, c)
+   pure subroutine sincos_block(x, s, c, nvec)
       real(dp), intent(in) :: x(lanes)  !! angles, radians, |x| <= 1e9
       real(dp), intent(out) :: s(lanes) !! their sines
       real(dp), intent(out) :: c(lanes) !! their cosines
+      integer, intent(in), optional :: nvec !! groups of lanes to work on, instead of all
       real(dp) :: zero(lanes)
       zero = 0.0_dp
-      call sincos_pair_block(x, zero, s, c)
+      call sincos_pair_block(x, zero, s, c, nvec)
    end subroutine sincos_block
 
    !> Sine and cosine of unevaluated sums, the angle known to more than double precision.
-   pure subroutine sincos_pair_block(x, low, s, c)
+   pure subroutine sincos_pair_block(x, low, s, c, nvec)
       real(dp), intent(in) :: x(lanes)   !! angles, radians, |x| <= 1e9
       real(dp), intent(in) :: low(lanes) !! what to add to each, |low| at most about ulp(x)
       real(dp), intent(out) :: s(lanes)  !! sines of x + low
       real(dp), intent(out) :: c(lanes)  !! cosines of x + low
+      integer, intent(in), optional :: nvec !! groups of lanes to work on, instead of all
       real(dp) :: t, n, r, a, b, rh, rl, z, ps, pc, hz, w, sn, cs
       integer(i8) :: quadrant
-      integer :: i
+      integer :: i, used
+      used = groups
+      if (present(nvec)) used = nvec
       !$omp simd private(t, n, r, a, b, rh, rl, z, ps, pc, hz, w, sn, cs, quadrant)
-      do i = 1, lanes
+      do i = 1, group*used
          t = x(i)*two_over_pi + rounder
          n = t - rounder
          quadrant = transfer(t, quadrant)
@@ -112,15 +116,18 @@ contains
    end subroutine sincos_pair_block
 
    !> Angle of the point (x, y), in [-pi, pi], with the sign of y; zero for the origin.
-   pure subroutine atan2_block(y, x, angle)
+   pure subroutine atan2_block(y, x, angle, nvec)
       real(dp), intent(in) :: y(lanes)      !! ordinates, any scale
       real(dp), intent(in) :: x(lanes)      !! abscissas, any scale
       real(dp), intent(out) :: angle(lanes) !! radians
+      integer, intent(in), optional :: nvec !! groups of lanes to work on, instead of all
       real(dp) :: big, small, num, den, t, w, p, k, sgn, scale
       logical :: steep, fold
-      integer :: i
+      integer :: i, used
+      used = groups
+      if (present(nvec)) used = nvec
       !$omp simd private(big, small, num, den, t, w, p, k, sgn, scale, steep, fold)
-      do i = 1, lanes
+      do i = 1, group*used
          steep = abs(y(i)) > abs(x(i))
          big = merge(abs(y(i)), abs(x(i)), steep)
          small = merge(abs(x(i)), abs(y(i)), steep)
@@ -258,7 +265,7 @@ contains
       real(dp), intent(out) :: c !! its cosine
       real(dp) :: xs(lanes), ss(lanes), cs(lanes)
       xs = x
-      call sincos_block(xs, ss, cs)
+      call sincos_block(xs, ss, cs, 1)
       s = ss(1)
       c = cs(1)
    end subroutine sincos_scalar
@@ -270,7 +277,7 @@ contains
       real(dp) :: xs(lanes), ys(lanes), angles(lanes)
       xs = x
       ys = y
-      call atan2_block(ys, xs, angles)
+      call atan2_block(ys, xs, angles, 1)
       angle = angles(1)
    end function atan2_scalar
 

@@ -9,7 +9,7 @@
 !> reduced in double-double, so that |u| = 1e6 loses nothing but what the rounding of u itself
 !> costs. Products are made exact by splitting: no fused multiply-add is needed.
 module poinsot_elliptic_jacobi_kernel
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8, group, groups, lanes
    implicit none(type, external)
    private
    public :: jacobi_block
@@ -46,7 +46,7 @@ contains
 
    !> sn, cn, dn of the argument less its whole turns: for odd turns sn and cn of u have the other
    !> signs.
-   pure subroutine jacobi_block(u, m, m1, sn, cn, dn, turns)
+   pure subroutine jacobi_block(u, m, m1, sn, cn, dn, turns, nvec)
       real(dp), intent(in) :: u(lanes)       !! arguments, |u| <= 1e9 (full accuracy to 4e6 turns)
       real(dp), intent(in) :: m(lanes)       !! parameters, in [0, 1]
       real(dp), intent(in) :: m1(lanes)      !! 1 - m; only the smaller of m and m1 is used
@@ -54,32 +54,39 @@ contains
       real(dp), intent(out) :: cn(lanes)     !! cn(u - 2 K turns | m), not negative but for rounding
       real(dp), intent(out) :: dn(lanes)     !! dn(u | m)
       real(dp), intent(out) :: turns(lanes)  !! nearest integer to u/(2 K), as a real
+      integer, intent(in), optional :: nvec  !! groups of lanes to work on, instead of all
       real(dp), dimension(lanes) :: mu, side, q, q_low, z, z_low, period, period_low
       real(dp), dimension(lanes) :: kc, kc_low, r, r_low, a, a_low, d, d_low, s, c, e, em1
       real(dp), dimension(lanes) :: s_far, c_far, d_far, far, s_near, c_near, d_near, near
-      mu = min(m, m1)
-      side = m1 - m ! negative: near m = 1
-      call find_roots(mu, kc, kc_low, r, r_low)
-      call find_means(kc, kc_low, r, r_low, a, a_low, d, d_low)
-      call find_nome(mu, d, d_low, q, q_low)
-      call find_phase(u, q, a, a_low, z, z_low)
-      call log_period(q, q_low, period, period_low)
-      call reduce(side, period, period_low, z, z_low, turns)
-      call phase_sincos(z, z_low, s, c)
-      call circular_sums(q, s, c, s_far, c_far, d_far, far)
-      call phase_exp(z, z_low, e, em1)
-      call hyperbolic_sums(q, z, e, em1, s_near, c_near, d_near, near)
-      call quotients(side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, near, sn, cn, dn)
+      integer :: used, n
+      used = groups
+      if (present(nvec)) used = nvec
+      n = group*used
+      mu(:n) = min(m(:n), m1(:n))
+      side(:n) = m1(:n) - m(:n) ! negative: near m = 1
+      call find_roots(used, mu, kc, kc_low, r, r_low)
+      call find_means(used, kc, kc_low, r, r_low, a, a_low, d, d_low)
+      call find_nome(used, mu, d, d_low, q, q_low)
+      call find_phase(used, u, q, a, a_low, z, z_low)
+      call log_period(used, q, q_low, period, period_low)
+      call reduce(used, side, period, period_low, z, z_low, turns)
+      call phase_sincos(used, z, z_low, s, c)
+      call circular_sums(used, q, s, c, s_far, c_far, d_far, far)
+      call phase_exp(used, z, z_low, e, em1)
+      call hyperbolic_sums(used, q, z, e, em1, s_near, c_near, d_near, near)
+      call quotients(used, side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, near, &
+         sn, cn, dn)
    end subroutine jacobi_block
 
    !> kc = sqrt(1 - mu) and r = sqrt(kc), double-double.
-   pure subroutine find_roots(mu, kc, kc_low, r, r_low)
+   pure subroutine find_roots(nvec, mu, kc, kc_low, r, r_low)
+      integer, intent(in) :: nvec
       real(dp), intent(in) :: mu(lanes)
       real(dp), intent(out), dimension(lanes) :: kc, kc_low, r, r_low
       real(dp) :: m1, ah, al, w
       integer :: i
       !$omp simd private(m1, ah, al, w)
-      do i = 1, lanes
+      do i = 1, group*nvec
          m1 = 1.0_dp - mu(i)
          kc(i) = sqrt(m1)
          ah = transfer(iand(transfer(kc(i), 0_i8), top26), ah)
@@ -95,13 +102,14 @@ contains
    end subroutine find_roots
 
    !> Two steps of the mean of 1 and kc, a = ((1 + r)/2)**2, and d = (1 + kc) a, double-double.
-   pure subroutine find_means(kc, kc_low, r, r_low, a, a_low, d, d_low)
+   pure subroutine find_means(nvec, kc, kc_low, r, r_low, a, a_low, d, d_low)
+      integer, intent(in) :: nvec
       real(dp), intent(in), dimension(lanes) :: kc, kc_low, r, r_low
       real(dp), intent(out), dimension(lanes) :: a, a_low, d, d_low
       real(dp) :: b, b_low, ah, al, bh, bl
       integer :: i
       !$omp simd private(b, b_low, ah, al, bh, bl)
-      do i = 1, lanes
+      do i = 1, group*nvec
          b = 0.5_dp*(1.0_dp + r(i))
          b_low = ((0.5_dp - b) + 0.5_dp*r(i)) + 0.5_dp*r_low(i)
          a(i) = b*b
@@ -121,13 +129,14 @@ contains
    end subroutine find_means
 
    !> Nome of mu, double-double.
-   pure subroutine find_nome(mu, d, d_low, q, q_low)
+   pure subroutine find_nome(nvec, mu, d, d_low, q, q_low)
+      integer, intent(in) :: nvec
       real(dp), intent(in), dimension(lanes) :: mu, d, d_low
       real(dp), intent(out), dimension(lanes) :: q, q_low
       real(dp) :: inv, e, e4, w, ah, al, bh, bl
       integer :: i
       !$omp simd private(inv, e, e4, w, ah, al, bh, bl)
-      do i = 1, lanes
+      do i = 1, group*nvec
          inv = 1.0_dp/d(i)                             ! e = mu/(8 d(i)) = (1 - r)/(2 (1 + r))
          e = mu(i)*inv
          ah = transfer(iand(transfer(e, 0_i8), top26), ah)
@@ -146,13 +155,14 @@ contains
 
    !> The phase z = u/theta3(q)**2 = u agm(1, kc), where agm(1, kc) = a/theta3(q**4)**2,
    !> double-double.
-   pure subroutine find_phase(u, q, a, a_low, z, z_low)
+   pure subroutine find_phase(nvec, u, q, a, a_low, z, z_low)
+      integer, intent(in) :: nvec
       real(dp), intent(in), dimension(lanes) :: u, q, a, a_low
       real(dp), intent(out), dimension(lanes) :: z, z_low
       real(dp) :: e4, w, b, b_low, ah, al, bh, bl
       integer :: i
       !$omp simd private(e4, w, b, b_low, ah, al, bh, bl)
-      do i = 1, lanes
+      do i = 1, group*nvec
          e4 = (q(i)*q(i))*(q(i)*q(i))
          w = -4.0_dp*(a(i)*e4)*(1.0_dp - e4*(3.0_dp - e4*8.0_dp)) + a_low(i)
          b = a(i) + w
@@ -167,14 +177,15 @@ contains
    end subroutine find_phase
 
    !> -log(q), the period of the hyperbolic phase, as an unevaluated sum; `endless` for q = 0.
-   pure subroutine log_period(q, q_low, period, period_low)
+   pure subroutine log_period(nvec, q, q_low, period, period_low)
+      integer, intent(in) :: nvec
       real(dp), intent(in) :: q(lanes), q_low(lanes)
       real(dp), intent(out) :: period(lanes), period_low(lanes)
       real(dp) :: x, shift, scale, e, f, den, s, s_low, w, p, t
       integer(i8) :: bits
       integer :: i
       !$omp simd private(x, shift, scale, e, f, den, s, s_low, w, p, t, bits)
-      do i = 1, lanes
+      do i = 1, group*nvec
          shift = merge(64.0_dp, 0.0_dp, q(i) < 1.0e-280_dp)
          scale = 1.0_dp + shift*(two64/64.0_dp)     ! 1 or 2**64
          x = max(q(i)*scale, tiny(1.0_dp))
@@ -203,7 +214,8 @@ contains
    end subroutine log_period
 
    !> Subtract whole periods from the phase, which stays an unevaluated sum.
-   pure subroutine reduce(side, period, period_low, z, z_low, turns)
+   pure subroutine reduce(nvec, side, period, period_low, z, z_low, turns)
+      integer, intent(in) :: nvec
       real(dp), intent(in) :: side(lanes), period(lanes), period_low(lanes)
       real(dp), intent(inout) :: z(lanes), z_low(lanes)
       real(dp), intent(out) :: turns(lanes)
@@ -211,7 +223,7 @@ contains
       integer(i8) :: mask
       integer :: i
       !$omp simd private(n, hi, lo, r, a, b, w, p, p_low, mask)
-      do i = 1, lanes
+      do i = 1, group*nvec
          mask = shifta(transfer(side(i), mask), 63)
          p = choose(mask, period(i), pi_hi)
          p_low = choose(mask, period_low(i), pi_lo)
@@ -229,13 +241,14 @@ contains
    end subroutine reduce
 
    !> Sine and cosine of the reduced phase, from those of its half (at most pi/4).
-   pure subroutine phase_sincos(z, z_low, s, c)
+   pure subroutine phase_sincos(nvec, z, z_low, s, c)
+      integer, intent(in) :: nvec
       real(dp), intent(in) :: z(lanes), z_low(lanes)
       real(dp), intent(out) :: s(lanes), c(lanes)
       real(dp) :: x, y, ps, pc, sn, cs
       integer :: i
       !$omp simd private(x, y, ps, pc, sn, cs)
-      do i = 1, lanes
+      do i = 1, group*nvec
          x = 0.5_dp*min(max(z(i), -1.6_dp), 1.6_dp) ! bites near m = 1 only, where this is not used
          y = x*x
          ps = s1 + y*(s2 + y*(s3 + y*(s4 + y*(s5 + y*s6))))
@@ -250,13 +263,14 @@ contains
    end subroutine phase_sincos
 
    !> Numerators of sn, cn, dn from theta1, theta2, theta3 of the phase, and what divides them.
-   pure subroutine circular_sums(q, s, c, s_part, c_part, d_part, divisor)
+   pure subroutine circular_sums(nvec, q, s, c, s_part, c_part, d_part, divisor)
+      integer, intent(in) :: nvec
       real(dp), intent(in), dimension(lanes) :: q, s, c
       real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
       real(dp) :: q2, q4, q6, y, cos2, cos4, even, odd, theta2, theta4, w
       integer :: i
       !$omp simd private(q2, q4, q6, y, cos2, cos4, even, odd, theta2, theta4, w)
-      do i = 1, lanes
+      do i = 1, group*nvec
          q2 = q(i)*q(i)
          q4 = q2*q2
          q6 = q4*q2
@@ -277,14 +291,15 @@ contains
    end subroutine circular_sums
 
    !> exp(-|z|), and the same less 1.
-   pure subroutine phase_exp(z, z_low, e, em1)
+   pure subroutine phase_exp(nvec, z, z_low, e, em1)
+      integer, intent(in) :: nvec
       real(dp), intent(in) :: z(lanes), z_low(lanes)
       real(dp), intent(out) :: e(lanes), em1(lanes)
       real(dp) :: x, t, n, hi, lo, p, power
       integer(i8) :: bits
       integer :: i
       !$omp simd private(x, t, n, hi, lo, p, power, bits)
-      do i = 1, lanes
+      do i = 1, group*nvec
          x = max(-abs(z(i)), -700.0_dp)
          t = x*log2e + rounder
          n = t - rounder
@@ -303,13 +318,14 @@ contains
    end subroutine phase_exp
 
    !> The same sums near m = 1, where the phase is imaginary.
-   pure subroutine hyperbolic_sums(q, z, e, em1, s_part, c_part, d_part, divisor)
+   pure subroutine hyperbolic_sums(nvec, q, z, e, em1, s_part, c_part, d_part, divisor)
+      integer, intent(in) :: nvec
       real(dp), intent(in), dimension(lanes) :: q, z, e, em1
       real(dp), intent(out), dimension(lanes) :: s_part, c_part, d_part, divisor
       real(dp) :: q2, q4, cosh2, a, even, odd, theta2, theta4, w
       integer :: i
       !$omp simd private(q2, q4, cosh2, a, even, odd, theta2, theta4, w)
-      do i = 1, lanes
+      do i = 1, group*nvec
          q2 = q(i)*q(i)
          q4 = q2*q2
          theta2 = 2.0_dp*e(i)*(1.0_dp + (q2 + q2*q4))
@@ -329,8 +345,9 @@ contains
    end subroutine hyperbolic_sums
 
    !> sn, cn, dn from the sums of the right side.
-   pure subroutine quotients(side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, &
+   pure subroutine quotients(nvec, side, q, s_far, c_far, d_far, far, s_near, c_near, d_near, &
       near, sn, cn, dn)
+      integer, intent(in) :: nvec
       real(dp), intent(in), dimension(lanes) :: side, q, s_far, c_far, d_far, far
       real(dp), intent(in), dimension(lanes) :: s_near, c_near, d_near, near
       real(dp), intent(out), dimension(lanes) :: sn, cn, dn
@@ -338,7 +355,7 @@ contains
       integer(i8) :: mask
       integer :: i
       !$omp simd private(theta3, q2, r, mask)
-      do i = 1, lanes
+      do i = 1, group*nvec
          mask = shifta(transfer(side(i), mask), 63)
          q2 = q(i)*q(i)
          theta3 = 1.0_dp + 2.0_dp*q(i)*(1.0_dp + q2*q(i)*(1.0_dp + q2*q2*q(i)))

@@ -5,7 +5,7 @@
 !> angle of rotation, as the free body does, need not take an arctangent at all.
 !> (B. C. Carlson, Numer. Algorithms 10 (1995) 13-26; the last series DLMF 19.36.2.)
 module poinsot_elliptic_third_kind
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8, group, groups, lanes
    implicit none(type, external)
    private
    public :: third_kind_block
@@ -16,7 +16,7 @@ module poinsot_elliptic_third_kind
 contains
 
    !> R_J(x, y, 1, p) g/6 = g series/6 + angle of (re, im). Lanes stop each at its own time.
-   pure subroutine third_kind_block(x0, y0, p0, g0, series, re, im)
+   pure subroutine third_kind_block(x0, y0, p0, g0, series, re, im, nvec)
       real(dp), intent(in) :: x0(lanes)      !! >= 0; not 0 together with y0
       real(dp), intent(in) :: y0(lanes)      !! x0 <= y0 <= 1
       real(dp), intent(in) :: p0(lanes)      !! >= 1
@@ -24,36 +24,41 @@ contains
       real(dp), intent(out) :: series(lanes) !! the part that is no angle
       real(dp), intent(out) :: re(lanes)     !! the angle (but for whole turns) as a complex number
       real(dp), intent(out) :: im(lanes)     !! imaginary part
+      integer, intent(in), optional :: nvec  !! groups of lanes to work on, instead of all
       real(dp), dimension(lanes) :: x, y, z, p, g, power
       real(dp) :: t(lanes, most), w
-      integer :: n, k, l
+      integer :: n, k, l, used, last
       logical :: going
-      x = x0
-      y = y0
-      z = 1.0_dp
-      p = p0
-      g = g0
-      power = 1.0_dp
+      used = groups
+      if (present(nvec)) used = nvec
+      last = group*used
+      x(:last) = x0(:last)
+      y(:last) = y0(:last)
+      z(:last) = 1.0_dp
+      p(:last) = p0(:last)
+      g(:last) = g0(:last)
+      power(:last) = 1.0_dp
       do n = 1, most
-         call halve(x, y, z, p, g, power, t(:, n), going)
+         call halve(used, x, y, z, p, g, power, t(:, n), going)
          if (.not. going) exit
       end do
-      re = 1.0_dp
-      im = 0.0_dp
+      re(:last) = 1.0_dp
+      im(:last) = 0.0_dp
       do k = min(n, most) - 1, 1, -1 ! angle = atan t1 + 2 (atan t2 + 2 (...))
          !$omp simd private(w)
-         do l = 1, lanes
+         do l = 1, group*used
             w = (re(l) - im(l))*(re(l) + im(l))
             im(l) = 2.0_dp*re(l)*im(l)
             re(l) = w - im(l)*t(l, k)
             im(l) = im(l) + w*t(l, k)
          end do
       end do
-      call last_terms(x, y, z, p, power, series)
+      call last_terms(used, x, y, z, p, power, series)
    end subroutine third_kind_block
 
    !> One duplication of the lanes that have not converged; the others stay as they are, t = 0.
-   pure subroutine halve(x, y, z, p, g, power, t, going)
+   pure subroutine halve(nvec, x, y, z, p, g, power, t, going)
+      integer, intent(in) :: nvec
       real(dp), intent(inout), dimension(lanes) :: x, y, z, p, g, power
       real(dp), intent(out) :: t(lanes)
       logical, intent(out) :: going
@@ -62,7 +67,7 @@ contains
       integer :: l
       all_masks = 0_i8
       !$omp simd private(rx, ry, rz, rp, lambda, a, mask) reduction(ior: all_masks)
-      do l = 1, lanes
+      do l = 1, group*nvec
          a = 0.2_dp*(x(l) + y(l) + z(l) + 2.0_dp*p(l))
          mask = shifta(transfer(close_enough*a - (p(l) - x(l)), mask), 63)
          all_masks = ior(all_masks, mask)
@@ -83,13 +88,14 @@ contains
    end subroutine halve
 
    !> The series that ends the duplication (DLMF 19.36.2), to seventh order.
-   pure subroutine last_terms(x, y, z, p, power, series)
+   pure subroutine last_terms(nvec, x, y, z, p, power, series)
+      integer, intent(in) :: nvec
       real(dp), intent(in), dimension(lanes) :: x, y, z, p, power
       real(dp), intent(out) :: series(lanes)
       real(dp) :: a, inv, dx, dy, dz, e, xyz, e2, e3, e4, e5, r
       integer :: l
       !$omp simd private(a, inv, dx, dy, dz, e, xyz, e2, e3, e4, e5, r)
-      do l = 1, lanes
+      do l = 1, group*nvec
          a = 0.2_dp*(x(l) + y(l) + z(l) + 2.0_dp*p(l))
          inv = 1.0_dp/a
          dx = (a - x(l))*inv

@@ -11,8 +11,8 @@
 !> are held by masks, so a lane's bits depend on that lane alone. Momenta are divided by a power of
 !> two near |y|, moments by one near the largest.
 module poinsot_free_jacobi_solution
-   use poinsot_core_kinds, only: dp, i8, group, groups, lanes
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_step
+   use poinsot_core_kinds, only: dp, i8, group, lanes
+   use poinsot_core_status, only: poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_body_constants, only: lane_constants
    use poinsot_elliptic_elementary, only: atan2_block, sincos_block
@@ -123,40 +123,8 @@ contains
       call block_increment(nvec, axes, h, y, q, dy, dq, status)
    end subroutine jacobi_lanes
 
-   !> Lanes behind the first groups stand still.
    pure subroutine block_increment(nvec, axes, h, y, q, dy, dq, status)
       integer, intent(in) :: nvec
-      type(axes_block), intent(inout) :: axes
-      real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
-      real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
-      integer, intent(inout) :: status(lanes)
-      real(dp) :: hs(lanes), ys(lanes, 3), qs(lanes, 4)
-      integer :: all_status(lanes), n
-      if (nvec == groups) then
-         call whole_block(axes, h, y, q, dy, dq, status)
-         return
-      end if
-      n = group*nvec
-      hs(:n) = h(:n)
-      ys(:n, :) = y(:n, :)
-      qs(:n, :) = q(:n, :)
-      all_status(:n) = status(:n)
-      hs(n + 1:) = 0
-      ys(n + 1:, :) = 0
-      qs(n + 1:, :) = 0
-      all_status(n + 1:) = poinsot_ok
-      axes%scale(n + 1:) = 1
-      axes%c1(n + 1:) = 0.5_dp
-      axes%c2(n + 1:) = 0.5_dp
-      axes%m1(n + 1:) = 1
-      axes%m3(n + 1:) = 1
-      axes%rate(n + 1:) = 0
-      axes%exchanged_rate(n + 1:) = 0
-      call whole_block(axes, hs, ys, qs, dy, dq, all_status)
-      status(:n) = all_status(:n)
-   end subroutine block_increment
-
-   pure subroutine whole_block(axes, h, y, q, dy, dq, status)
       type(axes_block), intent(in) :: axes
       real(dp), intent(in) :: h(lanes), y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
@@ -166,21 +134,23 @@ contains
       real(dp), dimension(lanes) :: s, c, d, turns, sf, cf
       real(dp) :: rho(lanes, 4)
       integer(i8) :: too_long(lanes)
+      integer :: n
 
-      call scale_lanes(axes, h, y, start, too_long)
-      call order_axes(axes, start)
-      call find_phase(axes, start, too_long)
-      call jacobi_block(start%w, start%k2, start%kc2, s, c, d, turns)
-      call unfold(turns, s, c, sf, cf)
-      call move(start, sf, cf, d, finish)
-      call choose_pole(start, finish, too_long)
-      call arctangents(start, sf, finish)
-      call third_kind(start, s, c, d, turns, finish)
-      if (any(abs(turns) > 0.0_dp)) call whole_turns(start, turns, finish)
-      call rotation(start, finish, rho)
-      call increments(axes, start, finish, rho, q, dy, dq)
-      where (too_long /= 0_i8) status = poinsot_e_step
-   end subroutine whole_block
+      call scale_lanes(nvec, axes, h, y, start, too_long)
+      call order_axes(nvec, axes, start)
+      call find_phase(nvec, axes, start, too_long)
+      call jacobi_block(start%w, start%k2, start%kc2, s, c, d, turns, nvec)
+      call unfold(nvec, turns, s, c, sf, cf)
+      call move(nvec, start, sf, cf, d, finish)
+      call choose_pole(nvec, start, finish, too_long)
+      call arctangents(nvec, start, sf, finish)
+      call third_kind(nvec, start, s, c, d, turns, finish)
+      n = group*nvec
+      if (any(abs(turns(:n)) > 0.0_dp)) call whole_turns(nvec, start, turns, finish)
+      call rotation(nvec, start, finish, rho)
+      call increments(nvec, axes, start, finish, rho, q, dy, dq)
+      where (too_long(:n) /= 0_i8) status(:n) = poinsot_e_step
+   end subroutine block_increment
 
    !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
    elemental real(dp) function choose(mask, a, b)
@@ -218,7 +188,8 @@ contains
 
    !> Momenta into sorted axes, divided by a power of two near the largest component; the step times
    !> that power, over the scale of the moments. Lanes that stand still get a harmless momentum.
-   pure subroutine scale_lanes(axes, h, y, start, too_long)
+   pure subroutine scale_lanes(nvec, axes, h, y, start, too_long)
+      integer, intent(in) :: nvec
       type(axes_block), intent(in) :: axes
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
       type(start_type), intent(inout) :: start
@@ -231,7 +202,7 @@ contains
       i2 = axes%order(2)
       i3 = axes%order(3)
       !$omp simd private(big, e, eh, rest, far, down, half)
-      do l = 1, lanes
+      do l = 1, group*nvec
          big = max(ibclr(transfer(y(l, 1), 0_i8), 63), ibclr(transfer(y(l, 2), 0_i8), 63))
          big = max(big, ibclr(transfer(y(l, 3), 0_i8), 63))
          e = min(max(iand(big, exponent_bits), least), greatest)
@@ -255,14 +226,15 @@ contains
 
    !> Exchange axes 1 and 3, a mirror, where c2 y1^2 > c1 y3^2, or both are equal and c1 < c2; then
    !> dn never changes its sign, and c1 > 0.
-   pure subroutine order_axes(axes, start)
+   pure subroutine order_axes(nvec, axes, start)
+      integer, intent(in) :: nvec
       type(axes_block), intent(in) :: axes
       type(start_type), intent(inout) :: start
       real(dp) :: y1, y3, q1, q3, sgn
       integer(i8) :: mask, tie, equal
       integer :: l
       !$omp simd private(y1, y3, q1, q3, sgn, mask, tie, equal)
-      do l = 1, lanes
+      do l = 1, group*nvec
          q1 = axes%c2(l)*(start%y1(l)*start%y1(l))
          q3 = axes%c1(l)*(start%y3(l)*start%y3(l))
          tie = below(axes%c1(l), axes%c2(l))
@@ -285,7 +257,8 @@ contains
    end subroutine order_axes
 
    !> Constants of the motion, parameters, increase of the phase.
-   pure subroutine find_phase(axes, start, too_long)
+   pure subroutine find_phase(nvec, axes, start, too_long)
+      integer, intent(in) :: nvec
       type(axes_block), intent(in) :: axes
       type(start_type), intent(inout) :: start
       integer(i8), intent(inout) :: too_long(lanes)
@@ -293,7 +266,7 @@ contains
       integer(i8) :: far
       integer :: l
       !$omp simd private(y22, cb, inv, w, far)
-      do l = 1, lanes
+      do l = 1, group*nvec
          y22 = start%y2(l)*start%y2(l)
          start%a(l) = start%y1(l)*start%y1(l) + start%c1(l)*y22
          start%b(l) = start%y3(l)*start%y3(l) + start%c2(l)*y22
@@ -310,14 +283,15 @@ contains
    end subroutine find_phase
 
    !> Signs of sn and cn after an odd number of half periods.
-   pure subroutine unfold(turns, s, c, sf, cf)
+   pure subroutine unfold(nvec, turns, s, c, sf, cf)
+      integer, intent(in) :: nvec
       real(dp), intent(in), dimension(lanes) :: turns, s, c
       real(dp), intent(out), dimension(lanes) :: sf, cf
       real(dp), parameter :: rounder = 6755399441055744.0_dp
       real(dp) :: half, odd
       integer :: l
       !$omp simd private(half, odd)
-      do l = 1, lanes
+      do l = 1, group*nvec
          half = 0.5_dp*turns(l)
          odd = 1.0_dp - 4.0_dp*abs(half - ((half + rounder) - rounder))
          sf(l) = odd*s(l)
@@ -328,7 +302,8 @@ contains
    !> Addition theorem: sn, cn, dn at the end, and with them the momentum. Factors are scaled so
    !> that nothing vanishes next to the middle axis; the denominator drops out as (s1, c1) has
    !> length 1.
-   pure subroutine move(start, sf, cf, d, finish)
+   pure subroutine move(nvec, start, sf, cf, d, finish)
+      integer, intent(in) :: nvec
       type(start_type), intent(in) :: start
       real(dp), intent(in), dimension(lanes) :: sf, cf, d
       type(end_type), intent(inout) :: finish
@@ -336,7 +311,7 @@ contains
       integer(i8) :: some
       integer :: l
       !$omp simd private(ra, rb, rc, inv, s0, c0, d0, f, g, ns, nc, dn1, dn2, some)
-      do l = 1, lanes
+      do l = 1, group*nvec
          ra = sqrt(start%a(l))
          rb = sqrt(start%b(l))
          rc = sqrt(start%c1(l))
@@ -389,7 +364,8 @@ contains
    end function scale_of
 
    !> The axis about which angles are counted: never near the momentum. Characteristic and factor.
-   pure subroutine choose_pole(start, finish, too_long)
+   pure subroutine choose_pole(nvec, start, finish, too_long)
+      integer, intent(in) :: nvec
       type(start_type), intent(in) :: start
       type(end_type), intent(inout) :: finish
       integer(i8), intent(inout) :: too_long(lanes)
@@ -397,7 +373,7 @@ contains
       integer(i8) :: mask, far
       integer :: l
       !$omp simd private(nu, m, length, half, mask, far)
-      do l = 1, lanes
+      do l = 1, group*nvec
          mask = below(start%a(l), start%b(l))
          finish%pole1(l) = mask
          nu = choose(mask, start%a(l), start%c2(l))/choose(mask, start%b(l), start%c1(l))
@@ -415,7 +391,8 @@ contains
 
    !> The angle between the azimuths of both momenta and the arctangent of the addition theorem of
    !> the third kind, halved together: as a complex number.
-   pure subroutine arctangents(start, sf, finish)
+   pure subroutine arctangents(nvec, start, sf, finish)
+      integer, intent(in) :: nvec
       type(start_type), intent(in) :: start
       real(dp), intent(in) :: sf(lanes)
       type(end_type), intent(inout) :: finish
@@ -423,7 +400,7 @@ contains
       integer(i8) :: mask
       integer :: l
       !$omp simd private(u1, u2, v1, v2, x, y, re, im, pr, pi, size, mask)
-      do l = 1, lanes
+      do l = 1, group*nvec
          mask = finish%pole1(l)
          u1 = choose(mask, start%y2(l), start%y1(l))
          u2 = choose(mask, start%y3(l), start%y2(l))
@@ -444,7 +421,8 @@ contains
    end subroutine arctangents
 
    !> The third kind over the rest of the phase.
-   pure subroutine third_kind(start, s, c, d, turns, finish)
+   pure subroutine third_kind(nvec, start, s, c, d, turns, finish)
+      integer, intent(in) :: nvec
       type(start_type), intent(in) :: start
       real(dp), intent(in), dimension(lanes) :: s, c, d, turns
       type(end_type), intent(inout) :: finish
@@ -452,15 +430,15 @@ contains
       real(dp) :: sgn, excess, r
       integer :: l
       !$omp simd
-      do l = 1, lanes
+      do l = 1, group*nvec
          x(l) = max(c(l)*c(l), tail_square)
          y(l) = max(d(l)*d(l), tail_square)
          p(l) = 1.0_dp + finish%nu(l)*(s(l)*s(l))
          g(l) = finish%g(l)*abs(s(l)*(s(l)*s(l)))
       end do
-      call third_kind_block(x, y, p, g, series, re, im)
+      call third_kind_block(x, y, p, g, series, re, im, nvec)
       !$omp simd private(sgn, excess, r)
-      do l = 1, lanes
+      do l = 1, group*nvec
          sgn = finish%sgn(l)*sign(1.0_dp, s(l))
          excess = choose(below(0.5_dp, abs(turns(l))), 0.0_dp, max(abs(start%w(l)) - tail, 0.0_dp))
          r = g(l)*series(l)/6.0_dp + 0.5_dp*excess*(finish%g(l)/(1.0_dp + finish%nu(l)))
@@ -474,22 +452,23 @@ contains
 
    !> The complete integral, once for every half period. Whole turns that the arctangent loses are
    !> whole turns of half the angle.
-   pure subroutine whole_turns(start, turns, finish)
+   pure subroutine whole_turns(nvec, start, turns, finish)
+      integer, intent(in) :: nvec
       type(start_type), intent(in) :: start
       real(dp), intent(in) :: turns(lanes)
       type(end_type), intent(inout) :: finish
       real(dp), dimension(lanes) :: x, y, p, series, re, im, angle
       integer :: l
       !$omp simd
-      do l = 1, lanes
+      do l = 1, group*nvec
          x(l) = choose(below(0.5_dp, abs(turns(l))), 0.0_dp, 1.0_dp)
          y(l) = choose(below(0.5_dp, abs(turns(l))), max(start%kc2(l), tiny(1.0_dp)), 1.0_dp)
          p(l) = 1.0_dp + finish%nu(l)
       end do
-      call third_kind_block(x, y, p, finish%g, series, re, im)
-      call atan2_block(im, re, angle)
+      call third_kind_block(x, y, p, finish%g, series, re, im, nvec)
+      call atan2_block(im, re, angle, nvec)
       !$omp simd
-      do l = 1, lanes
+      do l = 1, group*nvec
          finish%half(l) = finish%half(l) + finish%sgn(l)*turns(l) &
             *(finish%g(l)*series(l)/3.0_dp + 2.0_dp*angle(l))
       end do
@@ -497,7 +476,8 @@ contains
 
    !> The rotation of the step, rho0 >= 0: from the pole to the old momentum, the angle about it,
    !> and back from the new one.
-   pure subroutine rotation(start, finish, rho)
+   pure subroutine rotation(nvec, start, finish, rho)
+      integer, intent(in) :: nvec
       type(start_type), intent(in) :: start
       type(end_type), intent(in) :: finish
       real(dp), intent(out) :: rho(lanes, 4)
@@ -505,9 +485,9 @@ contains
       real(dp) :: u1, u2, v1, v2, a, b, t0, t1, t2, t3, r0, r1, r2, r3, cs, sn
       integer(i8) :: mask
       integer :: l
-      call sincos_block(finish%half, s, c)
+      call sincos_block(finish%half, s, c, nvec)
       !$omp simd private(u1, u2, v1, v2, a, b, t0, t1, t2, t3, r0, r1, r2, r3, cs, sn, mask)
-      do l = 1, lanes
+      do l = 1, group*nvec
          mask = finish%pole1(l)
          u1 = choose(mask, start%y2(l), start%y1(l))
          u2 = choose(mask, start%y3(l), start%y2(l))
@@ -538,7 +518,8 @@ contains
    !> Back to the caller's axes and units: y(h) - y and q o (rho - 1). What the increment d of y
    !> would change of A and then of |y|^2 is taken off, in proportion to the components and before
    !> the new momentum is rounded: on a symmetric body the same rounding comes back every step.
-   pure subroutine increments(axes, start, finish, rho, q, dy, dq)
+   pure subroutine increments(nvec, axes, start, finish, rho, q, dy, dq)
+      integer, intent(in) :: nvec
       type(axes_block), intent(in) :: axes
       type(start_type), intent(in) :: start
       type(end_type), intent(in) :: finish
@@ -553,7 +534,7 @@ contains
       i3 = axes%order(3)
       !$omp simd private(sgn, mask, quiet, d1, d2, d3, m1, m2, m3, k1, k2, k3, c1, f, &
       !$omp unit)
-      do l = 1, lanes
+      do l = 1, group*nvec
          mask = start%exchanged(l)
          quiet = start%quiet(l)
          unit = start%unit(l)
@@ -585,7 +566,7 @@ contains
          v(l, i3) = sgn*choose(mask, rho(l, 2), rho(l, 4))
       end do
       !$omp simd private(r0)
-      do l = 1, lanes
+      do l = 1, group*nvec
          r0 = -(v(l, 1)*v(l, 1) + (v(l, 2)*v(l, 2) + v(l, 3)*v(l, 3)))/(1.0_dp + rho(l, 1))
          dq(l, 1) = q(l, 1)*r0 - (q(l, 2)*v(l, 1) + (q(l, 3)*v(l, 2) + q(l, 4)*v(l, 3)))
          dq(l, 2) = q(l, 2)*r0 + (q(l, 1)*v(l, 1) + (q(l, 3)*v(l, 3) - q(l, 4)*v(l, 2)))

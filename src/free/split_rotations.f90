@@ -36,7 +36,6 @@ contains
       integer :: k, j, l, n
 
       n = group*nvec
-      half = 0
       hl(:n) = h(:n)
       call refuse_long_steps(nvec, class, y, hl, status)
       dy(:n, :) = 0
@@ -70,7 +69,6 @@ contains
       integer :: a, b, c, n
 
       n = group*nvec
-      half = 0
       hl(:n) = h(:n)
       call refuse_long_steps(nvec, class, y, hl, status)
       dy(:n, :) = 0
@@ -136,7 +134,7 @@ contains
       integer :: l, a, b
       a = 1 + mod(j, 3)
       b = 1 + mod(a, 3)
-      call sincos_block(half, s, c)
+      call sincos_block(half, s, c, nvec)
       !GCC$ ivdep
       do l = 1, group*nvec
          e = 2*s(l)*s(l)
@@ -182,7 +180,6 @@ contains
       real(dp) :: half(lanes), s(lanes), c(lanes), v(lanes, 3), e, f, q0, q1, q2, q3
       integer(i8) :: some
       integer :: l
-      half = 0
       !GCC$ ivdep
       do l = 1, group*nvec
          v(l, 1) = 0.5_dp*((y(l, 1) + dy(l, 1))*inverse*h(l))
@@ -190,7 +187,7 @@ contains
          v(l, 3) = 0.5_dp*((y(l, 3) + dy(l, 3))*inverse*h(l))
          half(l) = sqrt(v(l, 1)**2 + v(l, 2)**2 + v(l, 3)**2)
       end do
-      call sincos_block(half, s, c)
+      call sincos_block(half, s, c, nvec)
       !GCC$ ivdep
       do l = 1, group*nvec
          some = below(0.0_dp, half(l))
