@@ -27,23 +27,25 @@ contains
       integer, intent(in), optional :: nvec  !! groups of lanes to work on, instead of all
       real(dp), dimension(lanes) :: x, y, z, p, g, power
       real(dp) :: t(lanes, most), w
-      integer :: n, k, l, used, last
+      integer :: n, k, l, used
       logical :: going
       used = groups
       if (present(nvec)) used = nvec
-      last = group*used
-      x(:last) = x0(:last)
-      y(:last) = y0(:last)
-      z(:last) = 1.0_dp
-      p(:last) = p0(:last)
-      g(:last) = g0(:last)
-      power(:last) = 1.0_dp
+      !$omp simd
+      do l = 1, group*used
+         x(l) = x0(l)
+         y(l) = y0(l)
+         z(l) = 1.0_dp
+         p(l) = p0(l)
+         g(l) = g0(l)
+         power(l) = 1.0_dp
+         re(l) = 1.0_dp
+         im(l) = 0.0_dp
+      end do
       do n = 1, most
          call halve(used, x, y, z, p, g, power, t(:, n), going)
          if (.not. going) exit
       end do
-      re(:last) = 1.0_dp
-      im(:last) = 0.0_dp
       do k = min(n, most) - 1, 1, -1 ! angle = atan t1 + 2 (atan t2 + 2 (...))
          !$omp simd private(w)
          do l = 1, group*used
