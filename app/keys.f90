@@ -5,6 +5,7 @@ module app_keys
    use poinsot_effect_registry, only: effect_count, describe_effect
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_text, only: text_of
+   use poinsot_scene_typed_group, only: is_logical
    use app_terminal, only: say
    implicit none(type, external)
    private
@@ -53,7 +54,9 @@ contains
    function takes(key) result(text)
       type(effect_key), intent(in) :: key
       character(:), allocatable :: text
-      if (key%is_text) then
+      if (is_logical(key)) then
+         text = "a logical"
+      else if (key%is_text) then
          text = "a text"
       else if (key%units == "integer" .and. key%most == 1) then
          text = "an integer"

@@ -174,7 +174,13 @@ contains
       end do
       if (.not. raised(error)) call build_scene(source, scene, error)
       good = .not. raised(error)
-      if (.not. good) call print_error(error%message)
+      if (.not. good) then
+         call print_error(error%message)
+         return
+      end if
+      do i = 1, size(scene%bodies)
+         if (allocated(scene%bodies(i)%note)) call print_error(scene%bodies(i)%note)
+      end do
    end subroutine load_scene
 
    !> --check

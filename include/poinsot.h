@@ -181,6 +181,8 @@ poinsot_status poinsot_plan_class_axes(const poinsot_plan *plan, int number, dou
  *   "frame"      of the torques of poinsot_kick and of a callback: "body" or "space"
  *   "threads"    "0" (as OpenMP says) to "4096"
  *   "seed"       of random numbers, a 64-bit integer
+ *   "physical"   "yes", or "no": classes added from then on may have any moments that are zero or positive, of whatever sum
+ *                (where one is zero and the others differ, they become their mean: Euler's equations have no other motion)
  * POINSOT_E_METHOD for an unknown option or name, POINSOT_E_DOMAIN for a number out of range or a plan that is ready. */
 poinsot_status poinsot_plan_set(poinsot_plan *plan, const char *option, const char *value);
 

@@ -7,7 +7,7 @@ module test_body_slack
    use test_measure, only: attitude_distance, momentum_distance, units
    use test_oracle_taylor, only: taylor_report, taylor_flow, free_problem, conditioning
    use poinsot_core_kinds, only: dp, sp, qp, i4, i8
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_step, &
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_method, poinsot_e_step, &
       poinsot_e_convergence
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_rotation, only: identity_matrix, to_matrix, random_uniform, random_quaternion, &
@@ -16,6 +16,7 @@ module test_body_slack
    use poinsot_body_moments, only: accept_moments, check_moments, kind_of_body, kind_linear
    use poinsot_body_inertia, only: principal_axes, parallel_axis, tensor_of_axes
    use poinsot_body_invariants, only: kinetic_energy
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, set_option
    implicit none(type, external)
    private
    public :: collect_body_slack
@@ -35,6 +36,7 @@ contains
          new_unittest("slack-limits", test_limits), &
          new_unittest("slack-planar-bodies-in-few-digits", test_planar), &
          new_unittest("slack-not-physical", test_not_physical), &
+         new_unittest("slack-plan-option", test_plan_option), &
          new_unittest("slack-tensors-in-single-precision", test_single), &
          new_unittest("slack-moved-linear-tensors", test_moved), &
          new_unittest("slack-zero-moments-of-tensors", test_zero_moments), &
@@ -181,6 +183,29 @@ contains
       call check_moments([1._dp, 1e308_dp*10, 1._dp], refusal, physical=.false.)
       call refused(error, refusal, poinsot_e_domain, "I2 is not finite")
    end subroutine test_not_physical
+
+   !> The plan's option, of classes added after it.
+   subroutine test_plan_option(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(poinsot_plan) :: plan
+      type(poinsot_error) :: refusal
+      real(dp), parameter :: water(3) = [0.604636_dp, 1.160852_dp, 1.817004_dp]
+      integer :: number
+      call add_class(plan, water, number, refusal)
+      call refused(error, refusal, poinsot_e_domain, "I3 exceeds the sum")
+      call set_option(plan, "physical", "no", refusal)
+      call add_class(plan, water, number, refusal)
+      call accepted(error, refusal)
+      call within(error, maxval(abs(plan%classes(number)%moments - water)), 0._dp, "as given")
+      call add_tensor_class(plan, tensor_of_axes(water, to_matrix(random_quaternion(seed, 9_i8))), &
+                            number, refusal)
+      call accepted(error, refusal)
+      call set_option(plan, "physical", "yes", refusal)
+      call add_class(plan, water, number, refusal)
+      call refused(error, refusal, poinsot_e_domain, "I3 exceeds the sum")
+      call set_option(plan, "physical", ".false.", refusal)
+      call refused(error, refusal, poinsot_e_method, "unknown physical '.false.'")
+   end subroutine test_plan_option
 
    !> R I R^T formed and kept in single precision: linear, planar and other bodies, at the scales
    !> that single precision has and, entries scaled by powers of two, at others.

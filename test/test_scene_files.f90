@@ -12,7 +12,7 @@ module test_scene_files
    use poinsot_scene_files, only: file_exists, make_folder, real_path
    use poinsot_scene_folder, only: folder_lock, lock_folder, unlock_folder
    use poinsot_scene_reader, only: scan_source
-   use poinsot_scene_run, only: run_scene
+   use poinsot_scene_run, only: run_scene, check_scene
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_source, only: scene_source
    use poinsot_scene_states, only: body_states, first_states
@@ -50,7 +50,8 @@ contains
          new_unittest("summary-of-what-was-run", test_summary), &
          new_unittest("summary-without-outputs", test_unmeasured), &
          new_unittest("nan-is-not-lost", test_nan), &
-         new_unittest("torque-file-forms", test_tables)]
+         new_unittest("torque-file-forms", test_tables), &
+         new_unittest("few-digits-in-bodies", test_few_digits)]
    end subroutine collect_scene_files
 
    logical function stop_now(self)
@@ -457,5 +458,62 @@ contains
          call refused(error, failure, poinsot_e_scene, words)
       end subroutine none
    end subroutine test_tables
+
+   !> q and y with few digits; moments that no mass has, where that is asked for.
+   subroutine test_few_digits(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: first = "&scene t_end=1 h=0.1 /&bodies "
+      type(scene_settings) :: scene
+      call taken("moments=1,2,2.5 q=0.7071,0.7071,0,0 /")
+      call within(error, norm2(scene%bodies(1)%q) - 1, 1e-15_dp, "|q|")
+      call expect(error, allocated(scene%bodies(1)%note), "no note")
+      if (allocated(error)) return
+      call expect(error, index(scene%bodies(1)%note, &
+         "test.nml:1: &bodies: q was off unit length by 9.59E-06; used is 0.7071067811865") == 1, &
+         scene%bodies(1)%note)
+      call taken("moments=1,2,2.5 q=1.0009,0,0,0 /")
+      call within(error, scene%bodies(1)%q(1) - 1, 0._dp, "q")
+      call taken("moments=1,2,2.5 q=1.0000009,0,0,0 /")
+      call expect(error, .not. allocated(scene%bodies(1)%note), "a note of what is used as it is")
+      call within(error, scene%bodies(1)%q(1) - 1.0000009_dp, 0._dp, "q as it is")
+      call none("moments=1,2,2.5 q=1.0011,0,0,0 /", "off 1 by 1.10E-03; up to 1e-3 is divided out")
+      call none("moments=1,2,2.5 q=3,0,0,0 /", "off 1 by more than 1;")
+      call taken("moments=0,1,1.00000000001 y=0.9e-6,1,0 /")
+      call within(error, scene%bodies(1)%y(1), 0._dp, "momentum where nothing can turn")
+      call none("moments=0,1,1 y=1.1e-6,1,0 /", "about principal axis 1")
+      call none("moments=0.604636,1.160852,1.817004 /", "I3 exceeds the sum of the other two by 2.84e-02")
+      call none("moments=0.604636,1.160852,1.817004 physical=.true. /", "I3 exceeds")
+      call none("moments=1,1,1 physical='maybe' /", """maybe"" is neither .true. nor .false.")
+      call none("moments=1,1,1 physical=1 /", """1"" is neither .true. nor .false.")
+      call taken("moments=0.604636,1.160852,1.817004 physical=.false. /")
+      call taken("moments=0.604636,1.160852,1.817004 physical=F /")
+      call taken("tensor=0.604636,0,0,0,1.160852,0,0,0,1.817004 physical=f /&bodies moments=1,1,1 /")
+      call none("moments=0.604636,1.160852,1.817004 physical=F /&bodies moments=1,1,3 /", "I3 exceeds")
+   contains
+      subroutine build(text, failure)
+         character(*), intent(in) :: text
+         type(poinsot_error), intent(inout) :: failure
+         type(scene_source) :: source
+         call scan_source(first // text, "test.nml", source, failure)
+         if (.not. raised(failure)) call build_scene(source, scene, failure)
+         if (.not. raised(failure)) call check_scene(scene, failure)
+      end subroutine build
+
+      subroutine taken(text)
+         character(*), intent(in) :: text
+         type(poinsot_error) :: failure
+         call build(text, failure)
+         call accepted(error, failure)
+      end subroutine taken
+
+      subroutine none(text, words)
+         character(*), intent(in) :: text, words
+         type(poinsot_error) :: failure
+         call build(text, failure)
+         call expect(error, raised(failure), text // " is taken")
+         if (allocated(error)) return
+         call refused(error, failure, failure%code, words)
+      end subroutine none
+   end subroutine test_few_digits
 
 end module test_scene_files

@@ -133,14 +133,13 @@ contains
    end subroutine append_class
 
    !> Set an option by name: method, splitting, layout, momentum, frame (of torques: body, space),
-   !> threads, seed. POINSOT_E_METHOD for an unknown name or value, with what there is.
+   !> threads, seed, physical (yes, no: of classes added from then on). POINSOT_E_METHOD for an unknown name or value, with what there is.
    subroutine set_option(plan, key, value, error)
       type(poinsot_plan), intent(inout) :: plan
       character(*), intent(in) :: key, value
       type(poinsot_error), intent(inout) :: error
-      character(9), parameter :: keys(7) = [character(9) :: "method", "splitting", "layout", &
-         "momentum", "frame", &
-                                            "threads", "seed"]
+      character(9), parameter :: keys(8) = [character(9) :: "method", "splitting", "layout", &
+         "momentum", "frame", "threads", "seed", "physical"]
       integer :: place
       integer(i8) :: number
 
@@ -167,6 +166,9 @@ contains
       case ("seed")
          call read_integer(key, value, -huge(number), huge(number), number, error)
          if (.not. raised(error)) plan%seed = number
+      case ("physical")
+         call choose("physical", value, [character(3) :: "yes", "no"], place, error)
+         if (.not. raised(error)) plan%physical = place == 1
       case default
          call raise(error, poinsot_e_method, "plan: unknown option '"//trim(key)//"'"// &
             suggestion(key, keys))

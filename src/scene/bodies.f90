@@ -2,6 +2,7 @@
 module poinsot_scene_bodies
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_scene_source, only: place
    use poinsot_scene_text, only: text_of
    use poinsot_effect_gyrostat, only: gyrostat
    use poinsot_scene_settings, only: scene_settings, body_group, random_none, random_uniform, random_thermal
@@ -14,6 +15,7 @@ module poinsot_scene_bodies
    public :: build_bodies, add_rotors
 
    real(dp), parameter :: axis_slack = 1e-6_dp !! momentum about a zero moment, relative to |y|
+   real(dp), parameter :: largest_slack = 1e-3_dp !! of |q|: what three or four digits lose
 
 contains
 
@@ -66,13 +68,14 @@ contains
       end if
    end subroutine build_random
 
-   !> q: a unit quaternion.
+   !> q: a unit quaternion, or one with few digits, which is made one.
    subroutine build_attitude(group, bodies, error)
       type(typed_group), intent(in) :: group
       type(body_group), intent(inout) :: bodies
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: q(:)
-      real(dp) :: largest, norm
+      real(dp) :: largest, norm, off
+      character(11) :: digits
       call numbers_of(group, "q", q)
       largest = maxval(abs(q))
       if (largest <= 0) then
@@ -80,11 +83,19 @@ contains
          return
       end if
       norm = norm2(q/largest)
-      if (largest > 2 .or. abs(norm*min(largest, 2.0_dp) - 1) > unit_tolerance) then
-         call reject_key(group, "q", &
-            "is not a unit quaternion; with its length divided out it " // &
-                       "is " // text_of(q/largest/norm), error)
-         return
+      off = norm*min(largest, 2.0_dp) - 1
+      if (abs(off) > unit_tolerance) then
+         write (digits, "(es9.2e2)") abs(off)
+         if (largest > 2) digits = "more than 1"
+         if (largest > 2 .or. abs(off) > largest_slack) then
+            call reject_key(group, "q", "is not a unit quaternion, its length is off 1 by " // &
+                       trim(adjustl(digits)) // "; up to 1e-3 is divided out, which makes it " // &
+                       text_of(q/largest/norm), error)
+            return
+         end if
+         q = q/largest/norm
+         bodies%note = place(group%file, group%line) // "&bodies: q was off unit length by " // &
+                       trim(adjustl(digits)) // "; used is " // text_of(q)
       end if
       bodies%q = q
       if (bodies%turned) bodies%q = quaternion_product(q, bodies%frame)
@@ -125,7 +136,8 @@ contains
          if (bodies%moments(j) > 0 .or. abs(bodies%y(j)) <= 0) cycle
          call reject_key(group, &
                        "y", "has momentum " // text_of(vector(j)) // " about principal axis " // &
-                       text_of(j) // ", whose moment is zero; only 0 is possible there", error)
+                       text_of(j) // ", whose moment is zero; up to 1e-6 of |y| is dropped there, " // &
+                       "more cannot be", error)
          return
       end do
    end subroutine build_momentum

@@ -9,7 +9,7 @@ module poinsot_scene_inertia
    use poinsot_core_nearest, only: suggestion
    use poinsot_scene_text, only: quoted
    use poinsot_scene_settings, only: body_group
-   use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
+   use poinsot_scene_typed_group, only: typed_group, given, flag_of, number_of, numbers_of, word_of, &
       reject_key
    implicit none(type, external)
    private
@@ -23,6 +23,7 @@ contains
       type(body_group), intent(inout) :: bodies !! gets moments, axes, frame, turned
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)
+      bodies%physical = flag_of(group, "physical")
       select case (count([given(group, "moments"), given(group, "tensor"), given(group, "shape")]))
       case (0)
          call reject_key(group, "moments", "are missing (or a tensor, or a shape)", error)

@@ -2,7 +2,8 @@
 !> reader, for its messages and for the help. Effects bring their own keys
 !> (poinsot_effect_registry).
 module poinsot_scene_keys
-   use poinsot_effect_settings, only: effect_info, number_key, text_key
+   use poinsot_effect_settings, only: effect_info, effect_key, number_key, text_key
+   use poinsot_scene_typed_group, only: logical_choices
    implicit none(type, external)
    private
    public :: scene_keys, bodies_keys, output_keys
@@ -43,6 +44,7 @@ contains
             "or the inertia tensor, row by row, in the given frame"), &
          text_key("shape", "", "", &
             "or a shape: box ellipsoid cylinder sphere rod plate, water ..."), &
+         logical_key("physical", ".true.", "refuse moments that no mass has"), &
          number_key("mass", 1, 1, "1", "mass", "of the shape"), &
          number_key("size", 1, 3, "", "length", &
             "of the shape: edges, semi-axes, radius and height, length"), &
@@ -56,6 +58,13 @@ contains
          number_key("position", 3, 3, "0,0,0", "length", "of the first body (pictures; dipoles)"), &
          number_key("spacing", 3, 3, "0,0,0", "length", "from one body to the next")]
    end subroutine bodies_keys
+
+   !> Describe a key that takes .true. or .false.
+   pure function logical_key(name, default, meaning) result(key)
+      character(*), intent(in) :: name, default, meaning
+      type(effect_key) :: key
+      key = text_key(name, default, logical_choices, meaning)
+   end function logical_key
 
    !> Keys of &output.
    subroutine output_keys(info)

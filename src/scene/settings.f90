@@ -23,6 +23,7 @@ module poinsot_scene_settings
       logical :: from_omega = .false.         !! y was given as an angular velocity
       real(dp) :: rotor(3) = 0                !! momentum of its gyrostats: omega = (y - rotor)/I
       real(dp) :: q(4) = [1, 0, 0, 0]         !! attitude
+      character(:), allocatable :: note       !! what was made of a value, if anything
       integer :: random = random_none
       real(dp) :: temperature = 0             !! k T
       real(dp) :: position(3) = 0             !! of the first body

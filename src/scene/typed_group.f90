@@ -8,12 +8,14 @@ module poinsot_scene_typed_group
    use poinsot_effect_settings, only: effect_info, effect_key, setting
    use poinsot_scene_text, only: text_of, quoted
    use poinsot_scene_source, only: scene_value, scene_entry, scene_group, reject, &
-      value_null, value_number, value_text
+      value_null, value_number, value_text, value_logical
    implicit none(type, external)
    private
    public :: typed_group, type_group, given, number_of, numbers_of, word_of, integer_of, plain, &
       reject_key
-   public :: largest_list
+   public :: flag_of, is_logical, logical_choices, largest_list
+
+   character(*), parameter :: logical_choices = ".true. .false." !! units of a logical key
 
    integer, parameter :: largest_list = 1000000 !! most numbers one key may hold
 
@@ -97,7 +99,9 @@ contains
       logical :: one
       one = entry%count == 1 .and. entry%first == 1
       if (one) one = entry%values(1)%repeats == 1
-      if (.not. one) then
+      if (one .and. is_logical(key)) then
+         call convert_logical(typed, key, entry%values(1), item, error)
+      else if (.not. one) then
          call reject_key(typed, item%key, "takes one text in quotes", error)
       else if (entry%values(1)%kind == value_null) then
          item%text = trim(key%default)
@@ -111,6 +115,29 @@ contains
                        trim(key%units), error)
       end if
    end subroutine convert_text
+
+   !> .true. or .false., however it is written; --set may have it as a bare word.
+   subroutine convert_logical(typed, key, value, item, error)
+      type(typed_group), intent(in) :: typed
+      type(effect_key), intent(in) :: key
+      type(scene_value), intent(in) :: value
+      type(setting), intent(inout) :: item
+      type(poinsot_error), intent(inout) :: error
+      if (value%kind == value_null) then
+         item%text = trim(key%default)
+      else if (value%kind == value_logical) then
+         item%text = trim(merge(".true. ", ".false.", value%flag))
+      else
+         call reject_key(typed, item%key, "= " // quoted(value%text) // " is neither .true. nor " // &
+                         ".false.", error)
+      end if
+   end subroutine convert_logical
+
+   !> Does a key take .true. or .false.?
+   elemental logical function is_logical(key)
+      type(effect_key), intent(in) :: key
+      is_logical = key%is_text .and. key%units == logical_choices
+   end function is_logical
 
    pure logical function is_choice(text, choices)
       character(*), intent(in) :: text, choices
@@ -303,6 +330,13 @@ contains
          text = trim(typed%info%keys(find_key(typed%info, key))%default)
       end if
    end function word_of
+
+   !> A logical key, given or default.
+   logical function flag_of(typed, key)
+      type(typed_group), intent(in) :: typed !! keys with their values
+      character(*), intent(in) :: key        !! its name
+      flag_of = word_of(typed, key) == ".true."
+   end function flag_of
 
    !> The one number of a key as an integer within bounds. Error: POINSOT_E_SCENE.
    subroutine integer_of(typed, key, least, most, value, error)
