@@ -42,7 +42,7 @@ enum {
   POINSOT_OK = 0,
   POINSOT_E_NULL = 1,        /* a required pointer is NULL */
   POINSOT_E_SIZE = 2,        /* a size or a stride does not fit */
-  POINSOT_E_DOMAIN = 3,      /* a value is not finite, not physical or not a unit quaternion; or the plan is (not) ready */
+  POINSOT_E_DOMAIN = 3,      /* a value is out of its range or not physical; or the plan is (not) ready */
   POINSOT_E_METHOD = 4,      /* unknown method, splitting, effect, layout or option name */
   POINSOT_E_STEP = 5,        /* the step is too long for this method */
   POINSOT_E_CONVERGENCE = 6, /* an iteration did not converge */
@@ -51,7 +51,10 @@ enum {
   POINSOT_E_PARTIAL = 9,     /* some bodies failed: see the status of each body */
   POINSOT_E_IO = 10,         /* a file could not be read or written */
   POINSOT_E_SCENE = 11,      /* the scene file has an error */
-  POINSOT_E_CPU = 12         /* this build needs a newer processor */
+  POINSOT_E_CPU = 12,        /* this build needs a newer processor */
+  POINSOT_E_NOT_FINITE = 13, /* of a body: a number is not finite */
+  POINSOT_E_NOT_UNIT = 14,   /* of a body: the attitude is not a unit quaternion, to 1e-6 */
+  POINSOT_E_AXIS_MOMENTUM = 15 /* of a body: momentum about an axis without inertia, above 1e-6 of all its momentum */
 };
 
 /* ---- the library -------------------------------------------------------------------------------------------------- */
@@ -106,7 +109,7 @@ void poinsot_body_destroy(poinsot_body **body);
  *             motion: a body beyond gets POINSOT_E_STEP. "dmv2" and "rattle" end between 1 and 1.5: POINSOT_E_CONVERGENCE.
  *             "three-rotations" takes less of a thin body. |angular velocity| up to 1e70: POINSOT_E_DOMAIN beyond
  *   n         0 to 268435455; POINSOT_E_SIZE beyond
- *   y         [n][3] angular momenta, body frame;   q: [n][4] attitudes, of unit norm to 1e-6 or POINSOT_E_DOMAIN. NULL only if
+ *   y         [n][3] angular momenta, body frame;   q: [n][4] attitudes, of unit norm to 1e-6 or POINSOT_E_NOT_UNIT. NULL only if
  *             n = 0
  *   per_body  [n] a status for each body; may be NULL
  * Uses as many threads as OpenMP says (OMP_NUM_THREADS, omp_set_num_threads); a plan says its own number. */
@@ -125,24 +128,33 @@ poinsot_status poinsot_jacobi(size_t n, const double u[], const double m[], cons
 /* How the library sees the caller's bodies. Set size = sizeof(poinsot_bodies) and all else to 0, then fill; or let
  * poinsot_bodies_rows or poinsot_bodies_arrays do it. Component j of body i is y[j][i*y_stride], q[j][i*q_stride]. */
 typedef struct poinsot_bodies {
-  size_t size;             /* sizeof(poinsot_bodies); another size is POINSOT_E_SIZE, but for a longer struct that ends in zeros */
+  size_t size;             /* sizeof(poinsot_bodies); that of an earlier version is taken, its missing members are 0; so is a longer
+                              struct that ends in zeros; another size is POINSOT_E_SIZE */
   size_t n;                /* how many bodies, at most 268435455 */
   double *y[3];            /* components of the momentum variable of the plan */
   double *q[4];            /* components of the attitude, scalar first */
   ptrdiff_t y_stride;      /* from one body to the next, in doubles, at least 1 */
   ptrdiff_t q_stride;
-  const int *body_class;   /* [n] number of the class of each body; NULL: all are of the first class */
+  const int *body_class;   /* [n] number of the class of each body; NULL: all are of the first class. A body of a negative class
+                              is skipped: state kept, status OK, energy and momentum 0, no degree of freedom, no source for pairs */
   const int64_t *id;       /* [n] numbers for the random streams of a thermostat; NULL: the position */
   double *carry;           /* [n][7] compensated sums, zero at the start, kept by the caller; NULL: plain sums */
   poinsot_status *status;  /* [n] status of each body, set by each call; or NULL */
   double *y_fourth;        /* the fourth component of a conjugate momentum, same stride; else NULL */
   ptrdiff_t first_class;   /* what body_class calls the first class of the plan: 0, or 1 for hosts that count from 1 */
+  /* since 0.2 */
+  ptrdiff_t class_stride;  /* of body_class, in ints; 0 = 1 */
+  const int *y_at, *q_at;  /* [n] rows of y (and y_fourth) and of q, from 0; NULL: body i is row i. All other arrays go by i */
+  size_t rows;             /* how many rows there are: an index not below it, or negative, is POINSOT_E_SIZE; 0: only negative ones */
+  const double *scale;     /* [n] moments of body i over those of its class; NULL: 1 */
+  const double *moments[3]; /* or moments for each body, in the principal frame; body_class, if given, says on whom effects act */
+  ptrdiff_t moments_stride; /* in doubles; 0 = 1 */
 } poinsot_bodies;
 
 /* Fill a view of n bodies that stand in rows: momentum [n][3] (or [n][4] for a conjugate momentum), attitude [n][4].
  *   layout    "native", "lammps", "dl_poly", "hoomd": the one that the plan is set to
  *   order     of the quaternion's components: "wxyz" or "xyzw"; NULL is "wxyz"
- * Sets all of *bodies; class, id, carry and status to NULL. */
+ * Sets all of *bodies, the members that are not named here to 0. */
 poinsot_status poinsot_bodies_rows(poinsot_bodies *bodies, const char *layout, const char *order, size_t n,
                                    double momentum[], double attitude[]);
 
@@ -150,11 +162,22 @@ poinsot_status poinsot_bodies_rows(poinsot_bodies *bodies, const char *layout, c
 poinsot_status poinsot_bodies_arrays(poinsot_bodies *bodies, const char *layout, size_t n,
                                      double *const momentum[], double *const attitude[4]);
 
+/* The same, writing `size` bytes, the size of the struct in the caller's version; another is POINSOT_E_SIZE. The two names above
+ * are macros of these. (The functions of those names are for programs compiled with version 0.1, and write its 136 bytes.) */
+poinsot_status poinsot_bodies_rows_sized(poinsot_bodies *bodies, size_t size, const char *layout, const char *order, size_t n,
+                                         double momentum[], double attitude[]);
+poinsot_status poinsot_bodies_arrays_sized(poinsot_bodies *bodies, size_t size, const char *layout, size_t n,
+                                           double *const momentum[], double *const attitude[4]);
+#define poinsot_bodies_rows(bodies, layout, order, n, momentum, attitude) \
+  poinsot_bodies_rows_sized(bodies, sizeof(poinsot_bodies), layout, order, n, momentum, attitude)
+#define poinsot_bodies_arrays(bodies, layout, n, momentum, attitude) \
+  poinsot_bodies_arrays_sized(bodies, sizeof(poinsot_bodies), layout, n, momentum, attitude)
+
 /* ---- many bodies: the plan ----------------------------------------------------------------------------------------- */
 
 typedef struct poinsot_plan poinsot_plan;
 
-/* A plan with method "exact", splitting "srkn6", native layout, torques in the body frame, threads as OpenMP says. */
+/* A plan with method "exact", splitting "srkn6", native layout, torques in the body frame, one thread. */
 poinsot_status poinsot_plan_create(poinsot_plan **plan);
 
 /* Free a plan and set the handle to NULL. plan and *plan may be NULL. */
@@ -179,8 +202,10 @@ poinsot_status poinsot_plan_class_axes(const poinsot_plan *plan, int number, dou
  *                "hoomd"    conjugate momentum 2 q o (0, y), four components; torques in the space frame
  *   "momentum"   or one by one: "body-momentum", "space-momentum", "body-velocity", "space-velocity", "conjugate-momentum"
  *   "frame"      of the torques of poinsot_kick and of a callback: "body" or "space"
- *   "threads"    "0" (as OpenMP says) to "4096"
+ *   "threads"    "1" (default) to "4096", or "0": as OpenMP says (OMP_NUM_THREADS, omp_set_num_threads). A team starts where each
+ *                thread has some work; on a machine whose cores are busy that can cost a slice of the scheduler, 12 to 80 ms
  *   "seed"       of random numbers, a 64-bit integer
+ *   "tolerance"  of the splitting "taylor", relative: 1e-15 to 1e-2 ("1e-12")
  *   "physical"   "yes", or "no": classes added from then on may have any moments that are zero or positive, of whatever sum
  *                (where one is zero and the others differ, they become their mean: Euler's equations have no other motion)
  * POINSOT_E_METHOD for an unknown option or name, POINSOT_E_DOMAIN for a number out of range or a plan that is ready. */
@@ -241,10 +266,12 @@ poinsot_status poinsot_degrees_of_freedom(const poinsot_plan *plan, const poinso
 
 /* ---- for Fortran code with implicit interfaces, also fixed form ---------------------------------------------------- *
  * poinsot_..._f: subroutines for a compiler that adds one underscore (gfortran, ifort, ifx, flang); all arguments by reference,
- * INTEGER of 4 bytes, DOUBLE PRECISION, a handle in an INTEGER*8, no texts. status comes last. Names are given by their number
+ * INTEGER of 4 bytes, DOUBLE PRECISION, a handle in an INTEGER*8; a text comes with its length. status comes last. Names are given by their number
  * in the lists above counted from 1: method 1 = exact, 2 = jacobi, 3 = dmv2, 4 = dmv4, ... Classes count from 1. Bodies stand in
  * rows: y(3,n) (y(4,n) for a conjugate momentum), q(4,n); in the routines that end in _a_f each component is an array of its
- * own. class(n): the class of each body, or class(1) = 0: all are of class 1. each(n): status of each body. */
+ * own. class(n): the class of each body; with one class in the plan class(1) = 0 says all, and nothing further is read; with
+ * several all 0 is all of class 1, and a 0 among others is POINSOT_E_DOMAIN for that body; -1: the body is skipped.
+ * each(n): status of each body. */
 
 /* status = POINSOT_OK, or POINSOT_E_CPU; version as poinsot_version. */
 void poinsot_version_f_(int *version, int *status);
@@ -258,11 +285,19 @@ void poinsot_plan_destroy_f_(int64_t *plan);
 void poinsot_plan_add_class_f_(const int64_t *plan, const double moments[3], int *number, int *status);
 void poinsot_plan_add_tensor_f_(const int64_t *plan, const double inertia[9], int *number, int *status);
 /* option 1 method, 2 splitting: value their number; 3 layout: 1 native, 2 lammps, 3 dl_poly, 4 hoomd; 4 momentum: 1 to 5 in the
- * order above; 5 frame: 1 body, 2 space; 6 threads; 7 seed. */
+ * order above; 5 frame: 1 body, 2 space; 6 threads; 7 seed; 8 physical: 1 yes, 2 no. */
 void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *value, int *status);
 /* U = weight * (Q^T up) . centre, on all classes. */
 void poinsot_plan_gravity_f_(const int64_t *plan, const double centre[3], const double *weight, const double up[3], int *status);
+/* The option "tolerance". */
+void poinsot_plan_tolerance_f_(const int64_t *plan, const double *tolerance, int *status);
+/* As poinsot_plan_add_effect; CHARACTER name*(name_length), settings*(settings_length), blanks at their ends do not count. */
+void poinsot_plan_effect_f_(const int64_t *plan, const char *name, const int *name_length, const char *settings,
+                            const int *settings_length, int *status);
 void poinsot_plan_ready_f_(const int64_t *plan, int *status);
+/* poinsot_plan_message and poinsot_status_text into CHARACTER text*(length), blank-padded. */
+void poinsot_plan_message_f_(const int64_t *plan, char *text, const int *length);
+void poinsot_status_text_f_(const int *status, char *text, const int *length);
 void poinsot_drift_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *h,
                       int each[], int *status);
 /* torque(3,n) */
@@ -284,6 +319,12 @@ void poinsot_drift_a_f_(const int64_t *plan, const int *n, double y1[], double y
                         double q2[], double q3[], const int body_class[], const double *h, int each[], int *status);
 void poinsot_kick_a_f_(const int64_t *plan, const int *n, double y1[], double y2[], double y3[], double q0[], double q1[],
                        double q2[], double q3[], const int body_class[], const double *h, const double torque1[],
+                       const double torque2[], const double torque3[], int each[], int *status);
+/* The same with the four components of a conjugate momentum. */
+void poinsot_drift_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
+                        double q1[], double q2[], double q3[], const int body_class[], const double *h, int each[], int *status);
+void poinsot_kick_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
+                       double q1[], double q2[], double q3[], const int body_class[], const double *h, const double torque1[],
                        const double torque2[], const double torque3[], int each[], int *status);
 
 #ifdef __cplusplus

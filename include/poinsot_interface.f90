@@ -14,7 +14,8 @@ module poinsot_interface
       poinsot_effect_count, poinsot_effect_name
    public :: poinsot_body_create, poinsot_body_create_tensor, poinsot_body_destroy, &
       poinsot_rotate, poinsot_jacobi
-   public :: poinsot_bodies_rows, poinsot_bodies_arrays
+   public :: poinsot_bodies_rows, poinsot_bodies_arrays, poinsot_bodies_rows_sized, &
+      poinsot_bodies_arrays_sized
    public :: poinsot_plan_create, poinsot_plan_destroy, poinsot_plan_add_class, &
       poinsot_plan_add_class_tensor, poinsot_plan_class_axes
    public :: poinsot_plan_set, poinsot_plan_add_effect, poinsot_plan_ready, poinsot_plan_message, &
@@ -30,6 +31,11 @@ module poinsot_interface
          status = c_null_ptr
       type(c_ptr) :: y_fourth = c_null_ptr
       integer(c_intptr_t) :: first_class = 0
+      integer(c_intptr_t) :: class_stride = 0
+      type(c_ptr) :: y_at = c_null_ptr, q_at = c_null_ptr
+      integer(c_size_t) :: rows = 0
+      type(c_ptr) :: scale = c_null_ptr, moments(3) = c_null_ptr
+      integer(c_intptr_t) :: moments_stride = 0
    end type poinsot_bodies
 
    interface
@@ -120,22 +126,23 @@ module poinsot_interface
          real(c_double), intent(out) :: sn(*), cn(*), dn(*)
       end function poinsot_jacobi
 
-      integer(c_int) function poinsot_bodies_rows(bodies, layout, order, n, momentum, attitude) &
-         bind(c)
+      integer(c_int) function poinsot_bodies_rows_sized(bodies, size, layout, order, n, momentum, &
+            attitude) bind(c)
          import
-         type(poinsot_bodies), intent(out) :: bodies
+         type(poinsot_bodies), intent(inout) :: bodies
+         integer(c_size_t), value :: size, n
          character(kind=c_char), intent(in) :: layout(*), order(*)
-         integer(c_size_t), value :: n
          type(c_ptr), value :: momentum, attitude         ! c_loc of arrays that stay where they are
-      end function poinsot_bodies_rows
+      end function poinsot_bodies_rows_sized
 
-      integer(c_int) function poinsot_bodies_arrays(bodies, layout, n, momentum, attitude) bind(c)
+      integer(c_int) function poinsot_bodies_arrays_sized(bodies, size, layout, n, momentum, &
+            attitude) bind(c)
          import
-         type(poinsot_bodies), intent(out) :: bodies
+         type(poinsot_bodies), intent(inout) :: bodies
+         integer(c_size_t), value :: size, n
          character(kind=c_char), intent(in) :: layout(*)
-         integer(c_size_t), value :: n
          type(c_ptr), intent(in) :: momentum(*), attitude(4)
-      end function poinsot_bodies_arrays
+      end function poinsot_bodies_arrays_sized
 
       integer(c_int) function poinsot_plan_create(plan) bind(c)
          import
@@ -250,5 +257,25 @@ module poinsot_interface
          integer(c_size_t), intent(inout) :: count
       end function poinsot_degrees_of_freedom
    end interface
+
+contains
+
+   integer(c_int) function poinsot_bodies_rows(bodies, layout, order, n, momentum, attitude)
+      type(poinsot_bodies), intent(inout) :: bodies
+      character(kind=c_char), intent(in) :: layout(*), order(*)
+      integer(c_size_t), value :: n
+      type(c_ptr), value :: momentum, attitude            ! c_loc of arrays that stay where they are
+      poinsot_bodies_rows = poinsot_bodies_rows_sized(bodies, c_sizeof(bodies), layout, order, n, &
+                                                      momentum, attitude)
+   end function poinsot_bodies_rows
+
+   integer(c_int) function poinsot_bodies_arrays(bodies, layout, n, momentum, attitude)
+      type(poinsot_bodies), intent(inout) :: bodies
+      character(kind=c_char), intent(in) :: layout(*)
+      integer(c_size_t), value :: n
+      type(c_ptr), intent(in) :: momentum(*), attitude(4)
+      poinsot_bodies_arrays = poinsot_bodies_arrays_sized(bodies, c_sizeof(bodies), layout, n, &
+                                                          momentum, attitude)
+   end function poinsot_bodies_arrays
 
 end module poinsot_interface

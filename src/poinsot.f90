@@ -23,6 +23,7 @@ module poinsot
    use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_size, &
       poinsot_e_domain, poinsot_e_method, poinsot_e_step, poinsot_e_convergence, poinsot_e_memory, &
       poinsot_e_callback, poinsot_e_partial, poinsot_e_io, poinsot_e_scene, poinsot_e_cpu, &
+      poinsot_e_not_finite, poinsot_e_not_unit, poinsot_e_axis_momentum, &
       poinsot_status_text => status_text
    use poinsot_core_version, only: poinsot_version => version_number
    use poinsot_effect_callback, only: poinsot_user_torque => user_torque, &
@@ -53,7 +54,8 @@ module poinsot
       poinsot_e_step
    public :: poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback, &
       poinsot_e_partial, poinsot_e_io
-   public :: poinsot_e_scene, poinsot_e_cpu, poinsot_status_text, poinsot_version
+   public :: poinsot_e_scene, poinsot_e_cpu, poinsot_e_not_finite, poinsot_e_not_unit, &
+      poinsot_e_axis_momentum, poinsot_status_text, poinsot_version
    public :: poinsot_method_count, poinsot_method_name, poinsot_splitting_count, &
       poinsot_splitting_name
    public :: poinsot_splitting_flows, poinsot_effect_count, poinsot_effect_name
@@ -245,7 +247,8 @@ contains
       if (admitted(error)) call class_axes(plan, number, axes, error)
    end subroutine poinsot_plan_class_axes
 
-   !> Set an option by name: method, splitting, layout, momentum, frame, threads, seed.
+   !> Set an option by name: method, splitting, layout, momentum, frame, threads, seed,
+   !> tolerance, physical.
    subroutine poinsot_plan_set(plan, option, value, error)
       type(poinsot_plan), intent(inout) :: plan
       character(*), intent(in) :: option, value

@@ -5,7 +5,7 @@ module test_core
    use, intrinsic :: iso_fortran_env, only: real128
    use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
    use poinsot_core_kinds, only: dp, qp, i4, i8, lanes
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_cpu, status_text
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_axis_momentum, status_text
    use poinsot_core_error, only: poinsot_error, clear, raise, raised
    use poinsot_core_decimal, only: append_number, append_integer, longest_number
    use poinsot_core_nearest, only: nearest_name, suggestion
@@ -86,7 +86,7 @@ contains
       integer :: i, k
       call check(error, status_text(poinsot_ok), "ok")
       if (allocated(error)) return
-      do i = poinsot_e_null, poinsot_e_cpu
+      do i = poinsot_e_null, poinsot_e_axis_momentum
          do k = poinsot_ok, i - 1
             call check(error, len(status_text(i)) > 0 .and. status_text(i) /= status_text(k), &
                "status text empty or used twice: "//status_text(i))
@@ -97,7 +97,7 @@ contains
 
    subroutine test_unknown_status(error)
       type(error_type), allocatable, intent(out) :: error
-      integer, parameter :: strange(4) = [-1, poinsot_e_cpu + 1, huge(1), -huge(1)]
+      integer, parameter :: strange(4) = [-1, poinsot_e_axis_momentum + 1, huge(1), -huge(1)]
       integer :: i
       do i = 1, size(strange)
          call check(error, status_text(strange(i)), "unknown status")
@@ -115,8 +115,8 @@ contains
       call check(error, raised(e) .and. e%code == poinsot_e_null .and. &
          e%message == "y is NULL", "raise with a message")
       if (allocated(error)) return
-      call raise(e, poinsot_e_cpu)
-      call check(error, e%message, status_text(poinsot_e_cpu))
+      call raise(e, poinsot_e_axis_momentum)
+      call check(error, e%message, status_text(poinsot_e_axis_momentum))
       if (allocated(error)) return
       call clear(e)
       call check(error,.not. raised(e) .and. .not. allocated(e%message), "clear leaves something")

@@ -4,7 +4,8 @@ module test_ensemble_bits
    use testdrive, only: unittest_type, new_unittest, error_type, check
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_step
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_step, &
+      poinsot_e_not_finite, poinsot_e_not_unit
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_compose, only: make_ready
@@ -286,10 +287,12 @@ contains
       type(body_view) :: view
       type(poinsot_error) :: problem
       integer, allocatable, target :: each(:)
-      integer :: failures(6), i, status
+      integer :: failures(6), causes(6), i, status
       call make_crowd(300, start)
       start%class = min(start%class, 7)
       failures = [3, 40, 41, 100, 150, 299]
+      causes = [poinsot_e_not_finite, poinsot_e_not_unit, poinsot_e_not_unit, poinsot_e_step, &
+                poinsot_e_domain, poinsot_e_domain]
       allocate (each(300))
       call busy_plan("dmv8", 1, plan)
       healthy = start
@@ -310,7 +313,7 @@ contains
       if (allocated(error)) return
       do i = 1, start%n
          if (any(failures == i)) then
-            call check(error, each(i), merge(poinsot_e_step, poinsot_e_domain, i == 100), &
+            call check(error, each(i), causes(findloc(failures, i, 1)), &
                "status of a body that fails")
             if (allocated(error)) return
             call compare(error, taken(ill, [i]), taken(start, [i]), &

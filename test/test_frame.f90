@@ -5,7 +5,8 @@ module test_frame
    use testdrive, only: new_unittest, unittest_type, error_type, check
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_partial, poinsot_e_step, poinsot_e_domain
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_partial, poinsot_e_step, poinsot_e_domain, &
+      poinsot_e_axis_momentum
    use poinsot_effect_callback, only: user_torque, user_potential
    use poinsot_effect_effect, only: effect
    use poinsot_effect_registry, only: effect_count, describe_effect
@@ -51,7 +52,8 @@ contains
          new_unittest("heat-is-about-the-wheel", test_wheel_heat), &
          new_unittest("drift-turns-the-wheel", test_wheel_drift), &
          new_unittest("velocities-know-the-wheel", test_wheel_velocity), &
-         new_unittest("a-wheel-too-fast", test_wheel_fast)]
+         new_unittest("a-wheel-too-fast", test_wheel_fast), &
+         new_unittest("momentum-about-the-axis-of-a-linear-body", test_axis)]
    end subroutine collect_frame
 
    !> A rotation about no axis in particular.
@@ -465,5 +467,52 @@ contains
       call make_ready(plan, problem)
       call check(error, problem%code, poinsot_e_domain, "a rotor beyond 1e70")
    end subroutine test_wheel_fast
+
+   !> Up to 1e-6 of |y| it is dropped, in the caller's array too, whatever its variable; beyond it is
+   !> refused with a status of its own.
+   subroutine test_axis(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(poinsot_plan), target :: plan
+      type(poinsot_error) :: problem
+      type(body_view) :: view
+      real(dp), target :: y(3, n), q(4, n)
+      real(dp) :: before(3), axis(3), a(3, 3)
+      character(14), parameter :: names(2) = [character(14) :: "body-momentum", "space-momentum"]
+      integer, target :: each(n)
+      integer :: form, number, status
+      do form = 1, 2
+         call renew(plan)
+         call add_class(plan, [0.0_dp, 1.0_dp, 1.0_dp], number, problem)
+         call set_option(plan, "momentum", trim(names(form)), problem)
+         call make_ready(plan, problem)
+         call start(y, q)
+         y(:, 1) = [9e-7_dp, 0.6_dp, 0.8_dp]
+         y(:, 2) = [1.1e-6_dp, 0.6_dp, 0.8_dp]
+         y(:, 3) = [0.0_dp, 0.6_dp, 0.8_dp]
+         if (form == 2) call to_space(y, q)
+         before = y(:, 3)
+         call view_rows(y, q, view)
+         view%status => each
+         call drift_bodies(plan, view, 0.1_dp, status, problem)
+         call check(error, all(each == [poinsot_ok, poinsot_e_axis_momentum, poinsot_ok]), names(form))
+         if (allocated(error)) return
+         axis = [1.0_dp, 0.0_dp, 0.0_dp]
+         a = to_matrix(q(:, 1))
+         if (form == 2) axis = a(:, 1)
+         call check(error, abs(sum(axis*y(:, 1))) < 1e-15_dp, names(form)//" keeps it")
+         if (allocated(error)) return
+         if (form == 2) call check(error, all(y(:, 3) == before), "a momentum that is kept, changed")
+         if (allocated(error)) return
+      end do
+   end subroutine test_axis
+
+   subroutine to_space(y, q)
+      real(dp), intent(inout) :: y(3, n)
+      real(dp), intent(in) :: q(4, n)
+      integer :: i
+      do i = 1, n
+         y(:, i) = matmul(to_matrix(q(:, i)), y(:, i))
+      end do
+   end subroutine to_space
 
 end module test_frame

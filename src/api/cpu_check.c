@@ -111,12 +111,23 @@ STATUS(jacobi, (size_t n, const double u[], const double m[], const double m1[],
 
 /* ---- many bodies --------------------------------------------------------------------------------------------------- */
 
-STATUS(bodies_rows, (poinsot_bodies *bodies, const char *layout, const char *order, size_t n, double momentum[],
-                     double attitude[]),
-       (bodies, layout, order, n, momentum, attitude))
-STATUS(bodies_arrays, (poinsot_bodies *bodies, const char *layout, size_t n, double *const momentum[],
-                       double *const attitude[4]),
-       (bodies, layout, n, momentum, attitude))
+STATUS(bodies_rows_sized, (poinsot_bodies *bodies, size_t size, const char *layout, const char *order, size_t n,
+                           double momentum[], double attitude[]),
+       (bodies, size, layout, order, n, momentum, attitude))
+STATUS(bodies_arrays_sized, (poinsot_bodies *bodies, size_t size, const char *layout, size_t n, double *const momentum[],
+                             double *const attitude[4]),
+       (bodies, size, layout, n, momentum, attitude))
+/* For programs compiled with the header of 0.1, whose struct had 136 bytes: macros of these names hide them in the header. */
+#undef poinsot_bodies_rows
+#undef poinsot_bodies_arrays
+poinsot_status poinsot_bodies_rows(poinsot_bodies *bodies, const char *layout, const char *order, size_t n, double momentum[],
+                                   double attitude[]) {
+  return poinsot_bodies_rows_sized(bodies, 136, layout, order, n, momentum, attitude);
+}
+poinsot_status poinsot_bodies_arrays(poinsot_bodies *bodies, const char *layout, size_t n, double *const momentum[],
+                                     double *const attitude[4]) {
+  return poinsot_bodies_arrays_sized(bodies, 136, layout, n, momentum, attitude);
+}
 STATUS_AFTER(NO_TEXT, bodies_check, (const poinsot_plan *plan, const poinsot_bodies *bodies, char *buffer, size_t capacity),
              (plan, bodies, buffer, capacity))
 

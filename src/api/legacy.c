@@ -4,6 +4,8 @@
  * through poinsot.h; here arguments are dereferenced and numbers become names. */
 #include "poinsot.h"
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 static poinsot_plan *plan_of(const int64_t *plan) { return plan ? (poinsot_plan *)(intptr_t)*plan : NULL; }
 
@@ -73,7 +75,8 @@ void poinsot_plan_add_tensor_f_(const int64_t *plan, const double inertia[9], in
 }
 
 void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *value, int *status) {
-  static const char *const options[] = {"method", "splitting", "layout", "momentum", "frame", "threads", "seed"};
+  static const char *const options[] = {"method", "splitting", "layout", "momentum", "frame", "threads", "seed", "physical"};
+  static const char *const answers[] = {"yes", "no"};
   const char *key = NAME(options, *option), *text = NULL;
   char number[16];
   switch (*option) {
@@ -82,6 +85,7 @@ void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *valu
   case 3: text = NAME(layouts, *value); break;
   case 4: text = NAME(momenta, *value); break;
   case 5: text = NAME(frames, *value); break;
+  case 8: text = NAME(answers, *value); break;
   default:
     snprintf(number, sizeof number, "%d", *value);
     text = number;
@@ -96,9 +100,68 @@ void poinsot_plan_gravity_f_(const int64_t *plan, const double centre[3], const 
   *status = poinsot_plan_add_effect(plan_of(plan), "gravity", text);
 }
 
+void poinsot_plan_tolerance_f_(const int64_t *plan, const double *tolerance, int *status) {
+  char text[32];
+  snprintf(text, sizeof text, "%.17g", *tolerance);
+  *status = poinsot_plan_set(plan_of(plan), "tolerance", text);
+}
+
+/* A Fortran text as a C text: blanks at its end do not count. Cut where it does not fit, which no name or number of ours does. */
+static void to_c(const char *text, int length, char *out, size_t capacity) {
+  size_t n = length > 0 && text ? (size_t)length : 0;
+  while (n > 0 && text[n - 1] == ' ') n--;
+  if (n > capacity - 1) n = capacity - 1;
+  if (n > 0) memcpy(out, text, n);
+  out[n] = 0;
+}
+
+/* A C text into a Fortran text, blank-padded. */
+static void to_fortran(const char *text, char *out, int length) {
+  size_t capacity = length > 0 ? (size_t)length : 0, n = strlen(text);
+  if (!out) return;
+  if (n > capacity) n = capacity;
+  memcpy(out, text, n);
+  memset(out + n, ' ', capacity - n);
+}
+
+void poinsot_plan_effect_f_(const int64_t *plan, const char *name, const int *name_length, const char *settings,
+                            const int *settings_length, int *status) {
+  char which[64], few[1024], *text = few;
+  size_t room = *settings_length > 0 ? (size_t)*settings_length + 1 : 1;
+  if (room > sizeof few) text = malloc(room);
+  *status = POINSOT_E_MEMORY;
+  if (!text) return;
+  to_c(name, *name_length, which, sizeof which);
+  to_c(settings, *settings_length, text, room);
+  *status = poinsot_plan_add_effect(plan_of(plan), which, text);
+  if (text != few) free(text);
+}
+
+void poinsot_plan_message_f_(const int64_t *plan, char *text, const int *length) {
+  char sentence[1024];
+  sentence[0] = 0;
+  (void)poinsot_plan_message(plan_of(plan), sentence, sizeof sentence);
+  to_fortran(sentence, text, *length);
+}
+
+void poinsot_status_text_f_(const int *status, char *text, const int *length) {
+  to_fortran(poinsot_status_text(*status), text, *length);
+}
+
 void poinsot_plan_ready_f_(const int64_t *plan, int *status) { *status = poinsot_plan_ready(plan_of(plan)); }
 
 /* ---- bodies -------------------------------------------------------------------------------------------------------- */
+
+/* Classes count from 1. class(1) = 0 and one class in the plan: nothing further is read. With several, all 0 is all of class 1. */
+static const int *classes(const int64_t *plan, const int *n, const int body_class[]) {
+  double axes[9];
+  if (!body_class || *n <= 0) return NULL;
+  if (body_class[0] != 0) return body_class;
+  if (poinsot_plan_class_axes(plan_of(plan), 1, axes) != POINSOT_OK) return NULL;
+  for (int i = 1; i < *n; i++)
+    if (body_class[i] != 0) return body_class;
+  return NULL;
+}
 
 /* A view of rows; classes count from 1. How many components the momentum has only the plan knows: a view with too few is
  * refused by it, and then the rows are four wide. */
@@ -106,7 +169,7 @@ static poinsot_status rows(const int64_t *plan, const int *n, double y[], double
                            poinsot_bodies *view) {
   poinsot_status status = poinsot_bodies_rows(view, "native", NULL, count_of(n), y, q);
   if (status) return status;
-  view->body_class = body_class && *n > 0 && body_class[0] != 0 ? body_class : NULL;
+  view->body_class = classes(plan, n, body_class);
   view->first_class = 1;
   view->status = each;
   if (poinsot_bodies_check(plan_of(plan), view, NULL, 0) == POINSOT_E_SIZE && *n > 0) {
@@ -118,11 +181,11 @@ static poinsot_status rows(const int64_t *plan, const int *n, double y[], double
 }
 
 /* A view of component arrays. */
-static poinsot_status arrays(const int *n, double *const y[3], double *const q[4], const int body_class[], int each[],
-                             poinsot_bodies *view) {
-  poinsot_status status = poinsot_bodies_arrays(view, "native", count_of(n), y, q);
+static poinsot_status arrays(const int64_t *plan, const char *layout, const int *n, double *const y[], double *const q[4],
+                             const int body_class[], int each[], poinsot_bodies *view) {
+  poinsot_status status = poinsot_bodies_arrays(view, layout, count_of(n), y, q);
   if (status) return status;
-  view->body_class = body_class && *n > 0 && body_class[0] != 0 ? body_class : NULL;
+  view->body_class = classes(plan, n, body_class);
   view->first_class = 1;
   view->status = each;
   return POINSOT_OK;
@@ -187,7 +250,7 @@ void poinsot_drift_a_f_(const int64_t *plan, const int *n, double y1[], double y
                         double q2[], double q3[], const int body_class[], const double *h, int each[], int *status) {
   poinsot_bodies view;
   double *const y[3] = {y1, y2, y3}, *const q[4] = {q0, q1, q2, q3};
-  *status = arrays(n, y, q, body_class, each, &view);
+  *status = arrays(plan, "native", n, y, q, body_class, each, &view);
   if (*status == POINSOT_OK) *status = poinsot_drift(plan_of(plan), &view, *h);
 }
 
@@ -197,6 +260,26 @@ void poinsot_kick_a_f_(const int64_t *plan, const int *n, double y1[], double y2
   poinsot_bodies view;
   double *const y[3] = {y1, y2, y3}, *const q[4] = {q0, q1, q2, q3};
   const double *const components[3] = {torque1, torque2, torque3};
-  *status = arrays(n, y, q, body_class, each, &view);
+  *status = arrays(plan, "native", n, y, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_kick(plan_of(plan), &view, *h, components, 1);
+}
+
+/* The same for a conjugate momentum, of four components. */
+void poinsot_drift_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
+                        double q1[], double q2[], double q3[], const int body_class[], const double *h, int each[],
+                        int *status) {
+  poinsot_bodies view;
+  double *const p[4] = {p0, p1, p2, p3}, *const q[4] = {q0, q1, q2, q3};
+  *status = arrays(plan, "hoomd", n, p, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_drift(plan_of(plan), &view, *h);
+}
+
+void poinsot_kick_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
+                       double q1[], double q2[], double q3[], const int body_class[], const double *h, const double torque1[],
+                       const double torque2[], const double torque3[], int each[], int *status) {
+  poinsot_bodies view;
+  double *const p[4] = {p0, p1, p2, p3}, *const q[4] = {q0, q1, q2, q3};
+  const double *const components[3] = {torque1, torque2, torque3};
+  *status = arrays(plan, "hoomd", n, p, q, body_class, each, &view);
   if (*status == POINSOT_OK) *status = poinsot_kick(plan_of(plan), &view, *h, components, 1);
 }

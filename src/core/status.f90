@@ -6,6 +6,7 @@ module poinsot_core_status
    public :: poinsot_ok, poinsot_e_null, poinsot_e_size, poinsot_e_domain, poinsot_e_method
    public :: poinsot_e_step, poinsot_e_convergence, poinsot_e_memory, poinsot_e_callback
    public :: poinsot_e_partial, poinsot_e_io, poinsot_e_scene, poinsot_e_cpu
+   public :: poinsot_e_not_finite, poinsot_e_not_unit, poinsot_e_axis_momentum
    public :: status_text, status_texts, last_status
 
    integer, parameter :: poinsot_ok = 0
@@ -21,13 +22,16 @@ module poinsot_core_status
    integer, parameter :: poinsot_e_io = 10
    integer, parameter :: poinsot_e_scene = 11
    integer, parameter :: poinsot_e_cpu = 12
-   integer, parameter :: last_status = 12 !! the highest of them
+   integer, parameter :: poinsot_e_not_finite = 13
+   integer, parameter :: poinsot_e_not_unit = 14
+   integer, parameter :: poinsot_e_axis_momentum = 15
+   integer, parameter :: last_status = 15 !! the highest of them
 
    character(76), parameter :: status_texts(0:last_status) = [character(76) :: &
       "ok", &
       "a required pointer is NULL", &
       "a size or a stride does not fit", &
-      "a value is not finite, not physical or not a unit quaternion", &
+      "a value is out of its range or not physical", &
       "unknown method, splitting, effect, layout or option name", &
       "the step is too long for this method (rotation per step beyond its range)", &
       "an iteration did not converge", &
@@ -36,7 +40,10 @@ module poinsot_core_status
       "some bodies failed: see the status of each body", &
       "a file could not be read or written", &
       "the scene file has an error", &
-      "this build needs a newer processor"]
+      "this build needs a newer processor", &
+      "a number of a body is not finite", &
+      "the attitude is not a unit quaternion", &
+      "angular momentum about an axis without inertia"]
 
 contains
 

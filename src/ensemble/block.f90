@@ -5,9 +5,11 @@
 !> inertia) gets a status and stands in the block at rest, so that it can do no harm; it is never
 !> written back.
 module poinsot_ensemble_block
+   use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_lanes, only: any_failed
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_not_finite, &
+      poinsot_e_not_unit, poinsot_e_axis_momentum
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_free_limits, only: reject_speed
@@ -17,7 +19,7 @@ module poinsot_ensemble_block
    implicit none(type, external)
    private
    public :: host_arrays, open_host, load_block, store_block, store_status, add_momentum, &
-      reject_values
+      reject_values, reject_energies
 
    !> The caller's arrays as one call sees them.
    type :: host_arrays
@@ -31,7 +33,8 @@ module poinsot_ensemble_block
 
    real(dp), parameter :: norm_slack = 2e-6_dp   !! of |q|^2: |q| within 1e-6 of 1
    real(dp), parameter :: carry_slack = 1e-6_dp  !! of an attitude's carry
-   real(dp), parameter :: axis_slack = 1e-12_dp  !! momentum about a zero moment, relative to |y|
+   real(dp), parameter :: axis_slack = 1e-6_dp   !! momentum about a zero moment, relative to |y|
+   real(dp), parameter :: axis_rounding = 1e-14_dp !! of that, what turning there and back leaves
 
    integer(i8), parameter :: two = transfer(2.0_dp, 1_i8)
    integer(i8), parameter :: exponent_bits = int(z'7FF0000000000000', i8)
@@ -47,8 +50,10 @@ contains
       host%view = view
       host%momentum = momentum
       host%principal = principal
-      call find_layout(view%y, merge(4, 3, momentum == conjugate_momentum), view%n, host%y)
-      call find_layout(view%q, 4, view%n, host%q)
+      call find_layout(view%y, merge(4, 3, momentum == conjugate_momentum), host%y)
+      call find_layout(view%q, 4, host%q)
+      host%y%scattered = associated(view%y_at)
+      host%q%scattered = associated(view%q_at)
    end subroutine open_host
 
    !> Fill a block with n bodies of one class and check them.
@@ -67,14 +72,15 @@ contains
       b%at(1:n) = at
       b%status = poinsot_ok
       b%stored = .false.
+      b%drops = .false.
       if (n < lanes) call rest(n + 1, lanes, b%y, b%q)
-      call copy_in(host%q, at, n, b%q)
+      call copy_in(host%q, row_of(host%view%q_at, at), n, b%q)
       if (host%momentum == body_momentum .and. .not. is_turned(host, class)) then
-         call copy_in(host%y, at, n, b%y)
+         call copy_in(host%y, row_of(host%view%y_at, at), n, b%y)
          call reject(3, [class%limit, 0.0_dp], b%y, b%q, b%status)
       else
          p = 0
-         call copy_in(host%y, at, n, p)
+         call copy_in(host%y, row_of(host%view%y_at, at), n, p)
          call reject(4, spread(huge(p), 1, 4), p, b%q, b%status)
          call to_native(host%momentum, is_turned(host, class), class, p, b%y, b%q)
          call reject_speed(class, b%y, b%status)
@@ -84,6 +90,19 @@ contains
       b%compensated = associated(host%view%carry)
       if (b%compensated) call load_carry(host%view, b)
    end subroutine load_block
+
+   !> Rows of bodies in an array: their places, or what the caller says.
+   pure function row_of(rows, at) result(row)
+      integer(c_int), pointer, intent(in) :: rows(:)   !! from 0; not associated: body i is row i
+      integer, intent(in) :: at(:)
+      integer :: row(size(at))
+      integer :: l
+      row = at
+      if (.not. associated(rows)) return
+      do l = 1, size(at)
+         row(l) = rows(at(l)) + 1
+      end do
+   end function row_of
 
    !> Do the caller's arrays have another body frame than the principal one?
    pure logical function is_turned(host, class)
@@ -124,18 +143,15 @@ contains
    !> no carry.
    pure subroutine reject_carry(b)
       type(block_flows), intent(inout) :: b
-      real(dp) :: largest
-      integer :: l, j
+      integer :: l
       do l = 1, b%n
-         largest = 0
-         do j = 1, 7
-            if (magnitude(b%carry(l, j)) < exponent_bits) cycle
-            largest = huge(largest)
-            b%carry(l, j) = 0
-         end do
-         largest = max(largest, maxval(abs(b%carry(l, 4:7))))
-         if (largest <= carry_slack) cycle
-         b%status(l) = poinsot_e_domain
+         if (maxval(magnitude(b%carry(l, :))) >= exponent_bits) then
+            b%status(l) = poinsot_e_not_finite
+         else if (maxval(abs(b%carry(l, 4:7))) <= carry_slack) then
+            cycle
+         else
+            b%status(l) = poinsot_e_domain
+         end if
          b%carry(l, :) = 0
       end do
    end subroutine reject_carry
@@ -173,11 +189,22 @@ contains
       if (maxval(excess) <= 0) return
       do l = 1, lanes
          if (excess(l) <= 0) cycle
-         status(l) = poinsot_e_domain
+         status(l) = cause(p(l, :), q(l, :))
          p(l, :) = 0
          call rest(l, l, p, q)
       end do
    end subroutine reject
+
+   !> Why a lane was refused: the first of the causes.
+   pure integer function cause(p, q)
+      real(dp), intent(in) :: p(:), q(4)
+      cause = poinsot_e_domain
+      if (max(maxval(magnitude(p)), maxval(magnitude(q))) >= exponent_bits) then
+         cause = poinsot_e_not_finite
+      else if (abs(sum(square(q)) - 1) > norm_slack) then
+         cause = poinsot_e_not_unit
+      end if
+   end function cause
 
    !> Bits of |x|: they compare like the numbers, and infinite and NaN are at the top.
    elemental integer(i8) function magnitude(x)
@@ -200,23 +227,43 @@ contains
       do j = 1, size(values, 2)
          do l = 1, lanes
             if (iand(transfer(values(l, j), 1_i8), exponent_bits) /= exponent_bits) cycle
-            b%status(l) = poinsot_e_domain
+            b%status(l) = poinsot_e_not_finite
             values(l, :) = 0
          end do
       end do
    end subroutine reject_values
 
-   !> Momentum about an axis without inertia is refused; what rounding leaves there is dropped.
+   !> An energy beyond the range of numbers is no energy: the body fails.
+   pure subroutine reject_energies(kinetic, potential, b)
+      real(dp), intent(in) :: kinetic(lanes), potential(lanes)
+      type(block_flows), intent(inout) :: b
+      integer(i8) :: sizes(lanes)
+      integer :: l
+      sizes = max(magnitude(kinetic), magnitude(potential))
+      if (maxval(sizes) < exponent_bits) return
+      do l = 1, b%n
+         if (sizes(l) >= exponent_bits .and. b%status(l) == poinsot_ok) b%status(l) = poinsot_e_domain
+      end do
+   end subroutine reject_energies
+
+   !> Momentum about an axis without inertia is refused; what few digits and rounding leave there is
+   !> dropped, in the caller's array too unless turning there and back would leave as much again.
    pure subroutine reject_axis_momentum(class, b)
       type(body_class), intent(in) :: class
       type(block_flows), intent(inout) :: b
+      real(dp) :: length
       integer :: j, l
+      b%dropped = .false.
       do j = 1, 3
          if (class%inverse(j) > 0) cycle
-         do l = 1, lanes
-            if (abs(b%y(l, j)) > axis_slack*maxval(abs(b%y(l, :)))) then
-               b%status(l) = poinsot_e_domain
+         do l = 1, b%n
+            length = norm2(b%y(l, :))
+            if (abs(b%y(l, j)) > axis_slack*length) then
+               if (b%status(l) == poinsot_ok) b%status(l) = poinsot_e_axis_momentum
                b%y(l, :) = 0
+            else if (abs(b%y(l, j)) > axis_rounding*length) then
+               b%dropped(l) = .true.
+               b%drops = .true.
             end if
          end do
          b%y(:, j) = 0
@@ -235,22 +282,40 @@ contains
 
       call store_status(host%view, b)
       if (b%stored) return
+      if (keep_momentum .and. b%drops) call store_dropped(host, p, b)
       n = b%n
       if (host%momentum == body_momentum .and. &
           .not. (is_turned(host, b%class) .or. any_failed(b%status))) then
-         if (.not. keep_momentum) call copy_out(host%y, b%at, n, b%y)
-         if (.not. keep_attitude) call copy_out(host%q, b%at, n, b%q)
+         if (.not. keep_momentum) call copy_out(host%y, row_of(host%view%y_at, b%at(:n)), n, b%y)
+         if (.not. keep_attitude) call copy_out(host%q, row_of(host%view%q_at, b%at(:n)), n, b%q)
       else
          call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, b%q, p)
          call pack_lanes(b, p, at, n)
-         if (n > 0 .and. .not. keep_momentum) call copy_out(host%y, at, n, p)
-         if (n > 0 .and. .not. keep_attitude) call copy_out(host%q, at, n, b%q)
+         if (n > 0 .and. .not. keep_momentum) call copy_out(host%y, row_of(host%view%y_at, at(:n)), n, p)
+         if (n > 0 .and. .not. keep_attitude) call copy_out(host%q, row_of(host%view%q_at, at(:n)), n, b%q)
       end if
       if (.not. b%compensated) return
       do l = 1, b%n
          if (b%status(l) == poinsot_ok) host%view%carry(:, b%at(l)) = b%carry(l, :)
       end do
    end subroutine store_block
+
+   !> Momenta that would have been kept, of lanes where a part about an axis without inertia was
+   !> dropped.
+   subroutine store_dropped(host, p, b)
+      type(host_arrays), intent(inout) :: host
+      type(block_flows), intent(in) :: b
+      real(dp), intent(out) :: p(lanes, 4)       !! work space
+      real(dp) :: q(lanes, 4)
+      integer :: l
+      q = b%q
+      call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, q, p)
+      do l = 1, b%n
+         if (.not. b%dropped(l) .or. b%status(l) /= poinsot_ok) cycle
+         p(1, :) = p(l, :)
+         call copy_out(host%y, row_of(host%view%y_at, [b%at(l)]), 1, p)
+      end do
+   end subroutine store_dropped
 
    !> Every status into the caller's array, if there is one.
    subroutine store_status(view, b)
@@ -290,19 +355,20 @@ contains
       real(dp), intent(in) :: add(lanes, 3)     !! in the caller's variable and frame
       type(block_flows), intent(inout) :: b
       real(dp) :: total(3)
-      integer :: j, l
+      integer :: j, l, row(b%n)
       b%stored = .true.
+      row = row_of(view%y_at, b%at(:b%n))
       do l = 1, b%n
          if (b%status(l) /= poinsot_ok) cycle
          do j = 1, 3
-            total(j) = view%y(j)%of(b%at(l)) + add(l, j)
+            total(j) = view%y(j)%of(row(l)) + add(l, j)
          end do
          if (maxval(magnitude(total)) >= exponent_bits) then
             b%status(l) = poinsot_e_domain
             cycle
          end if
          do j = 1, 3
-            view%y(j)%of(b%at(l)) = total(j)
+            view%y(j)%of(row(l)) = total(j)
          end do
       end do
    end subroutine add_momentum

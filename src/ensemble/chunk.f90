@@ -28,7 +28,7 @@ contains
    end function chunk_count
 
    !> Collect chunk number k. A body whose class does not exist is refused: POINSOT_E_DOMAIN, and
-   !> left out.
+   !> left out; one whose class is negative is left out in peace.
    subroutine collect_chunk(view, classes, k, h, refused)
       type(body_view), intent(in) :: view
       integer, intent(in) :: classes          !! how many classes there are
@@ -53,6 +53,8 @@ contains
          class = view%body_class(i)
          if (class >= view%first_class .and. class < view%first_class + classes) then
             call insert(h, i, class - view%first_class + 1)
+         else if (class < 0) then ! skipped
+            if (associated(view%status)) view%status(i) = poinsot_ok
          else
             refused = .true.
             if (associated(view%status)) view%status(i) = poinsot_e_domain

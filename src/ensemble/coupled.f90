@@ -4,6 +4,7 @@ module poinsot_ensemble_coupled
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_memory, &
       poinsot_e_partial
+   use poinsot_ensemble_block, only: reject_energies
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_system, only: torque_callback, ensemble_flows, scatter_all, add_pairs
@@ -85,6 +86,7 @@ contains
          associate (s => system%at(k))
             call s%energies(t, e, u)
             call add_pairs(system, k, u)
+            call reject_energies(e, u, s)
             do l = 1, s%n
                if (associated(view%status)) view%status(s%at(l)) = s%status(l)
                failed = failed .or. s%status(l) /= poinsot_ok

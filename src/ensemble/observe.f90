@@ -5,6 +5,7 @@ module poinsot_ensemble_observe
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_size
    use poinsot_body_invariants, only: degrees_of_freedom
+   use poinsot_ensemble_block, only: reject_energies
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_coupled, only: coupled_energy
    use poinsot_ensemble_drive, only: block_job, for_each_block
@@ -115,6 +116,7 @@ contains
       integer :: l
       call attach_plan(self%plan, b)
       call b%energies(self%t, kinetic, potential)
+      call reject_energies(kinetic, potential, b)
       do l = 1, b%n
          if (b%status(l) /= poinsot_ok) cycle
          self%kinetic(b%at(l)) = kinetic(l)

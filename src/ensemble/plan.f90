@@ -8,7 +8,7 @@ module poinsot_ensemble_plan
       poinsot_e_size
    use poinsot_body_class, only: body_class, make_class
    use poinsot_body_inertia, only: principal_axes, is_diagonal
-   use poinsot_core_number, only: parse_integer, number_ok
+   use poinsot_core_number, only: parse_integer, parse_real, number_ok
    use poinsot_rotation_conversions, only: from_matrix, to_matrix
    use poinsot_effect_effect, only: effect, effect_item
    use poinsot_effect_registry, only: make_effect
@@ -37,7 +37,8 @@ module poinsot_ensemble_plan
                                                   !! whatever frame a class was given in
       logical :: space_torque = .false.           !! torques of `kick` and of callbacks are in the
                                                   !! space frame
-      integer :: threads = 0                      !! 0: as OpenMP says
+      integer :: threads = 1                      !! 0: as OpenMP says
+      real(dp) :: tolerance = 1e-12_dp            !! of `taylor`, relative
       integer(i8) :: seed = 0                     !! of random numbers
       type(effect_item), allocatable :: effects(:)
       logical :: coupled = .false.                !! an effect couples bodies
@@ -133,13 +134,14 @@ contains
    end subroutine append_class
 
    !> Set an option by name: method, splitting, layout, momentum, frame (of torques: body, space),
-   !> threads, seed, physical (yes, no: of classes added from then on). POINSOT_E_METHOD for an unknown name or value, with what there is.
+   !> threads, seed, tolerance, physical (yes, no: of classes added from then on). POINSOT_E_METHOD
+   !> for an unknown name or value, with what there is.
    subroutine set_option(plan, key, value, error)
       type(poinsot_plan), intent(inout) :: plan
       character(*), intent(in) :: key, value
       type(poinsot_error), intent(inout) :: error
-      character(9), parameter :: keys(8) = [character(9) :: "method", "splitting", "layout", &
-         "momentum", "frame", "threads", "seed", "physical"]
+      character(9), parameter :: keys(9) = [character(9) :: "method", "splitting", "layout", &
+         "momentum", "frame", "threads", "seed", "tolerance", "physical"]
       integer :: place
       integer(i8) :: number
 
@@ -166,6 +168,8 @@ contains
       case ("seed")
          call read_integer(key, value, -huge(number), huge(number), number, error)
          if (.not. raised(error)) plan%seed = number
+      case ("tolerance")
+         call read_tolerance(value, plan%tolerance, error)
       case ("physical")
          call choose("physical", value, [character(3) :: "yes", "no"], place, error)
          if (.not. raised(error)) plan%physical = place == 1
@@ -186,6 +190,21 @@ contains
       call raise(error, poinsot_e_method, "plan: unknown "//key//" '"//trim(value)//"'"// &
          suggestion(value, names))
    end subroutine choose
+
+   subroutine read_tolerance(value, tolerance, error)
+      character(*), intent(in) :: value
+      real(dp), intent(inout) :: tolerance
+      type(poinsot_error), intent(inout) :: error
+      real(dp) :: number
+      integer :: outcome
+      call parse_real(trim(value), number, outcome)
+      if (outcome == number_ok .and. number >= 1e-15_dp .and. number <= 1e-2_dp) then
+         tolerance = number
+      else
+         call raise(error, poinsot_e_domain, "plan: tolerance = '"//trim(value)// &
+            "' is not a number from 1e-15 to 1e-2")
+      end if
+   end subroutine read_tolerance
 
    subroutine read_integer(key, value, least, most, number, error)
       character(*), intent(in) :: key, value

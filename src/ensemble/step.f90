@@ -3,10 +3,11 @@
 module poinsot_ensemble_step
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_size
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_method, &
+      poinsot_e_partial, poinsot_e_size
    use poinsot_effect_effect, only: flow_effect
    use poinsot_ensemble_block, only: add_momentum, reject_values
-   use poinsot_ensemble_bodies, only: body_view, column
+   use poinsot_ensemble_bodies, only: body_view, column, check_rows
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
    use poinsot_ensemble_drive, only: block_job, for_each_block
    use poinsot_ensemble_layout, only: body_momentum, space_momentum, conjugate_momentum, &
@@ -162,6 +163,11 @@ contains
          .not. associated(view%y(4)%of)) then
          call raise(error, poinsot_e_size, &
             "a conjugate momentum has four components: y_fourth is missing")
+      else if (associated(view%scale) .or. associated(view%moments(1)%of)) then
+         call raise(error, poinsot_e_method, "poinsot_bodies: scale and moments, for moments of " // &
+                    "each body's own, are not served")
+      else
+         call check_rows(view, error)
       end if
    end subroutine check_ready
 

@@ -15,21 +15,23 @@ module poinsot_ensemble_transfer
    type :: arrays
       integer :: columns = 0                                      !! how many there are, 3 or 4
       type(column) :: any(4)                                      !! them, with their strides
+      logical :: scattered = .false.        !! places need not follow each other
       real(dp), pointer, contiguous :: rows(:, :) => null() !! (columns, n), if that is what they
                                                             !! are
    end type arrays
 
 contains
 
-   !> Find out how n bodies lie in memory.
-   subroutine find_layout(from, columns, n, a)
+   !> Find out how bodies lie in memory.
+   subroutine find_layout(from, columns, a)
       type(column), intent(in) :: from(:)
-      integer, intent(in) :: columns, n
+      integer, intent(in) :: columns
       type(arrays), intent(out) :: a
       type(c_ptr) :: base
       integer(c_intptr_t) :: first
-      integer :: j
+      integer :: j, n
       logical :: are_rows
+      n = size(from(1)%of)
       a%columns = columns
       a%any(1:columns) = from(1:columns)
       if (n < 1) return
@@ -59,9 +61,9 @@ contains
       integer :: j, l
       if (.not. associated(a%rows)) then
          do j = 1, a%columns
-            call column_in(a%any(j)%of, at, n, into(1, j))
+            call column_in(a%any(j)%of, a%scattered, at, n, into(1, j))
          end do
-      else if (n == lanes .and. at(n) - at(1) == lanes - 1) then
+      else if (in_a_row(a%scattered, at, n)) then
          if (a%columns == 3) then
             call rows_in_3(a%rows(:, at(1):at(n)), into)
          else
@@ -84,9 +86,9 @@ contains
       integer :: j, l
       if (.not. associated(a%rows)) then
          do j = 1, a%columns
-            call column_out(a%any(j)%of, at, n, from(1, j))
+            call column_out(a%any(j)%of, a%scattered, at, n, from(1, j))
          end do
-      else if (n == lanes .and. at(n) - at(1) == lanes - 1) then
+      else if (in_a_row(a%scattered, at, n)) then
          if (a%columns == 3) then
             call rows_out_3(from, a%rows(:, at(1):at(n)))
          else
@@ -100,6 +102,14 @@ contains
          end do
       end if
    end subroutine copy_out
+
+   !> Do the places of a full block follow each other? They ascend unless they are scattered.
+   pure logical function in_a_row(scattered, at, n)
+      logical, intent(in) :: scattered
+      integer, intent(in) :: n, at(n)
+      in_a_row = n == lanes .and. .not. scattered
+      if (in_a_row) in_a_row = at(n) - at(1) == lanes - 1
+   end function in_a_row
 
    pure subroutine rows_in_3(rows, into)
       real(dp), intent(in) :: rows(3, lanes)
@@ -148,13 +158,14 @@ contains
    end subroutine rows_out_4
 
    !> One strided column; the compiler makes a version of its own for stride 1.
-   pure subroutine column_in(from, at, n, into)
+   pure subroutine column_in(from, scattered, at, n, into)
       real(dp), intent(in) :: from(:)
+      logical, intent(in) :: scattered
       integer, intent(in) :: n, at(n)
       real(dp), intent(inout) :: into(lanes)
       integer :: l, first
       first = at(1) - 1
-      if (n == lanes .and. at(n) - at(1) == lanes - 1) then
+      if (in_a_row(scattered, at, n)) then
          do l = 1, lanes
             into(l) = from(first + l)
          end do
@@ -165,13 +176,14 @@ contains
       end if
    end subroutine column_in
 
-   pure subroutine column_out(to, at, n, from)
+   pure subroutine column_out(to, scattered, at, n, from)
       real(dp), intent(inout) :: to(:)
+      logical, intent(in) :: scattered
       integer, intent(in) :: n, at(n)
       real(dp), intent(in) :: from(lanes)
       integer :: l, first
       first = at(1) - 1
-      if (n == lanes .and. at(n) - at(1) == lanes - 1) then
+      if (in_a_row(scattered, at, n)) then
          do l = 1, lanes
             to(first + l) = from(l)
          end do

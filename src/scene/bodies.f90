@@ -131,7 +131,7 @@ contains
       end if
       bodies%y = vector
       ! about an axis without inertia nothing can turn; files have few digits
-      where (bodies%moments <= 0 .and. abs(vector) <= axis_slack*maxval(abs(vector))) bodies%y = 0
+      where (bodies%moments <= 0 .and. abs(vector) <= axis_slack*norm2(vector)) bodies%y = 0
       do j = 1, 3
          if (bodies%moments(j) > 0 .or. abs(bodies%y(j)) <= 0) cycle
          call reject_key(group, &

@@ -32,6 +32,8 @@ module poinsot_splitting_block_flows
       integer :: at(lanes)                    !! where each stands in the caller's arrays; 0: padding
       integer :: number                       !! of the body class
       logical :: stored                       !! the caller's arrays have the result already
+      logical :: drops                        !! momentum about an axis without inertia was dropped
+      logical :: dropped(lanes)               !! in these lanes, if so
       type(body_class), pointer :: class
       ! set by `attach`: what acts on it
       type(free_method), pointer :: method

@@ -103,9 +103,9 @@ static void body(void) {
   CHECK(poinsot_rotate(it, "exact", 0.1, 0, 1, y, q, each) == POINSOT_OK && y[0] == 0.1 && q[0] == 1 && each[0] == 0);
   CHECK(poinsot_rotate(it, "dmv8", 100.0, 1, 1, y, q, each) == POINSOT_E_PARTIAL && each[0] == POINSOT_E_STEP && y[0] == 0.1);
   q[0] = 0;
-  CHECK(poinsot_rotate(it, "exact", 0.1, 1, 1, y, q, each) == POINSOT_E_PARTIAL && each[0] == POINSOT_E_DOMAIN && q[0] == 0);
+  CHECK(poinsot_rotate(it, "exact", 0.1, 1, 1, y, q, each) == POINSOT_E_PARTIAL && each[0] == POINSOT_E_NOT_UNIT && q[0] == 0);
   CHECK(poinsot_rotate(it, "exact", 0.1, 1, 2, y2[0], q2[0], each) == POINSOT_E_PARTIAL);
-  CHECK(each[0] == POINSOT_E_DOMAIN && each[1] == POINSOT_OK && isnan(y2[0][0]) && q2[1][0] != 1);
+  CHECK(each[0] == POINSOT_E_NOT_FINITE && each[1] == POINSOT_OK && isnan(y2[0][0]) && q2[1][0] != 1);
   poinsot_body_destroy(&it);
 }
 
@@ -230,7 +230,8 @@ static void bodies(void) {
     double more[4];
   } newer;
   poinsot_status each[n];
-  int classes[n] = {0, 0, 0}, nobody[n] = {2147483647, -2147483647 - 1, 1};
+  int classes[n] = {0, 0, 0}, nobody[n] = {2147483647, 2, 1}, skipped[n] = {-1, -2147483647 - 1, -7};
+  const int rows[n] = {4, 0, 2}, below[n] = {0, -1, 1};
   int64_t id[n] = {-5, 9223372036854775807LL, 0};
   char text[200];
   size_t count;
@@ -321,6 +322,15 @@ static void bodies(void) {
   WITH(v.body_class = nobody, POINSOT_E_PARTIAL);
   for (i = 0; i < n; i++) CHECK(each[i] == POINSOT_E_DOMAIN);
   CHECK(poinsot_degrees_of_freedom(it, &v, &count) == POINSOT_OK && count == 0);
+  WITH(v.body_class = skipped, POINSOT_OK);
+  for (i = 0; i < n; i++) CHECK(each[i] == POINSOT_OK);
+  CHECK(poinsot_degrees_of_freedom(it, &v, &count) == POINSOT_OK && count == 0);
+  CHECK(poinsot_energy(it, &v, 0, kinetic, potential) == POINSOT_OK && kinetic[0] == 0 && potential[2] == 0);
+  WITH(v.class_stride = -1, POINSOT_E_SIZE);
+  WITH((v.y_at = rows, v.rows = 3), POINSOT_E_SIZE);   /* row 4 of three */
+  WITH((v.q_at = below, v.rows = 0), POINSOT_E_SIZE);  /* a negative one */
+  WITH(v.scale = kinetic, POINSOT_E_METHOD);
+  WITH((v.moments[0] = v.moments[1] = kinetic), POINSOT_E_NULL);
   memset(&newer, 0, sizeof newer);
   newer.known = view;
   newer.known.size = sizeof newer;
@@ -340,17 +350,132 @@ static void bodies(void) {
   view.id = id;
   view.carry = carry;
   CHECK(poinsot_drift(it, &view, 0.1) == POINSOT_E_PARTIAL);
-  CHECK(each[0] == POINSOT_OK && each[1] == POINSOT_E_DOMAIN && each[2] == POINSOT_E_DOMAIN);
+  CHECK(each[0] == POINSOT_OK && each[1] == POINSOT_E_NOT_UNIT && each[2] == POINSOT_E_NOT_FINITE);
   CHECK(q[1][2] == 1e300 && isinf(y[2][0]) && memcmp(q[2], q0[2], sizeof q[2]) == 0 && q[0][0] != q0[0][0]);
   CHECK(poinsot_energy(it, &view, 0, kinetic, potential) == POINSOT_E_PARTIAL && kinetic[1] == 0 && kinetic[0] > 0);
   torque[0] = NAN;
-  CHECK(poinsot_kick(it, &view, 0.1, pushes, 1) == POINSOT_E_PARTIAL && each[0] == POINSOT_E_DOMAIN);
+  CHECK(poinsot_kick(it, &view, 0.1, pushes, 1) == POINSOT_E_PARTIAL && each[0] == POINSOT_E_NOT_FINITE);
   memcpy(y, y0, sizeof y);
   memcpy(q, q0, sizeof q);
   CHECK(poinsot_step(it, &view, 0, 0.1, 0, 2, not_finite, NULL) == POINSOT_E_PARTIAL);
-  CHECK(each[0] == POINSOT_E_DOMAIN && each[1] == POINSOT_OK && memcmp(y[0], y0[0], sizeof y[0]) == 0);
+  CHECK(each[0] == POINSOT_E_NOT_FINITE && each[1] == POINSOT_OK && memcmp(y[0], y0[0], sizeof y[0]) == 0);
   poinsot_plan_destroy(&it);
   poinsot_plan_destroy(&four);
+}
+
+/* ---- the struct of another version, rows of the caller's choice ----------------------------------------------------- */
+
+/* The functions behind the macros: what a program compiled with 0.1 calls. */
+static poinsot_status (*const rows_of_0_1)(poinsot_bodies *, const char *, const char *, size_t, double[], double[]) =
+    poinsot_bodies_rows;
+
+static void growth(void) {
+  enum { old = 136, n = 2 };
+  union {
+    poinsot_bodies view;
+    unsigned char bytes[sizeof(poinsot_bodies) + 64];
+  } room;
+  poinsot_bodies view;
+  double y[5][3] = {{0}}, q[5][4] = {{0}}, y2[n][3], q2[n][4];
+  const int y_at[n] = {3, 1}, q_at[n] = {0, 4}, classes[4] = {0, 9, 1, 9};
+  poinsot_plan *plan = NULL;
+  poinsot_status each[n];
+  size_t i;
+  int j;
+  CHECK(poinsot_plan_create(&plan) == POINSOT_OK && poinsot_plan_add_class(plan, moments, NULL) == POINSOT_OK &&
+        poinsot_plan_add_class(plan, moments, NULL) == POINSOT_OK && poinsot_plan_ready(plan) == POINSOT_OK);
+  for (i = 0; i < 5; i++)
+    for (j = 0; j < 4; j++) {
+      if (j < 3) y[i][j] = 0.1 * (double)i + j;
+      q[i][j] = j == 0;
+    }
+  memset(&room, 0x5a, sizeof room);
+  CHECK(rows_of_0_1(&room.view, "native", NULL, n, y[0], q[0]) == POINSOT_OK && room.view.size == old);
+  for (i = old; i < sizeof room; i++) CHECK(room.bytes[i] == 0x5a);
+  CHECK(poinsot_drift(plan, &room.view, 0.1) == POINSOT_OK); /* what follows is not read */
+  CHECK(poinsot_bodies_rows_sized(&room.view, old + 8, "native", NULL, n, y[0], q[0]) == POINSOT_E_SIZE);
+  CHECK(poinsot_bodies_rows_sized(&room.view, sizeof room.view, "native", NULL, n, y[0], q[0]) == POINSOT_OK);
+  for (i = sizeof room.view; i < sizeof room; i++) CHECK(room.bytes[i] == 0x5a);
+
+  for (i = 0; i < n; i++) {
+    memcpy(y2[i], y[y_at[i]], sizeof y2[i]);
+    memcpy(q2[i], q[q_at[i]], sizeof q2[i]);
+  }
+  CHECK(poinsot_bodies_rows(&view, "native", NULL, n, y2[0], q2[0]) == POINSOT_OK);
+  CHECK(poinsot_drift(plan, &view, 0.1) == POINSOT_OK);
+  CHECK(poinsot_bodies_rows(&view, "native", NULL, n, y[0], q[0]) == POINSOT_OK);
+  view.y_at = y_at;
+  view.q_at = q_at;
+  view.rows = 5;
+  view.status = each;
+  view.body_class = classes;
+  view.class_stride = 2;
+  CHECK(poinsot_drift(plan, &view, 0.1) == POINSOT_OK && each[0] == POINSOT_OK && each[1] == POINSOT_OK);
+  for (i = 0; i < n; i++)
+    CHECK(memcmp(y2[i], y[y_at[i]], sizeof y2[i]) == 0 && memcmp(q2[i], q[q_at[i]], sizeof q2[i]) == 0);
+  poinsot_plan_destroy(&plan);
+}
+
+/* ---- fixed form ------------------------------------------------------------------------------------------------------ */
+
+static void fixed_form(void) {
+  enum { n = 3 };
+  int64_t plan = 0;
+  int status, number, each[n], bodies = n, length = 60, name_length = 10, settings_length = 40, one = 1;
+  const double h = 0.1, tolerance = 1e-3, coarse = 1, first[3] = {1, 0.6, 0.8}, second[3] = {2, 1.1, 1.9};
+  const int none[n] = {0, 0, 0}, mixed[n] = {0, 2, -1}, twos[n] = {2, 1, 1};
+  double y[n][3], q[n][4], y2[n][3], q2[n][4], x[4][n];
+  char text[61] = "";
+  size_t i;
+#define START(y, q) for (i = 0; i < n; i++) { \
+    y[i][0] = 0.1; y[i][1] = 0.2; y[i][2] = 0.3; q[i][0] = 1; q[i][1] = q[i][2] = q[i][3] = 0; }
+  poinsot_plan_create_f_(&plan, &status);
+  CHECK(status == POINSOT_OK);
+  poinsot_plan_add_class_f_(&plan, first, &number, &status);
+  poinsot_plan_add_class_f_(&plan, second, &number, &status);
+  CHECK(status == POINSOT_OK && number == 2);
+  poinsot_plan_tolerance_f_(&plan, &tolerance, &status);
+  CHECK(status == POINSOT_OK);
+  poinsot_plan_tolerance_f_(&plan, &coarse, &status);
+  CHECK(status == POINSOT_E_DOMAIN);
+  poinsot_plan_message_f_(&plan, text, &length);
+  CHECK(strncmp(text, "plan: tolerance = '1'", 21) == 0);
+  poinsot_plan_effect_f_(&plan, "gravity   ", &name_length, "centre = 0 0 1; class = 2               ", &settings_length,
+                         &status);
+  CHECK(status == POINSOT_OK);
+  poinsot_plan_message_f_(&plan, text, &length);
+  CHECK(text[0] == ' ' && text[59] == ' ');
+  number = POINSOT_E_NOT_UNIT;
+  poinsot_status_text_f_(&number, text, &length);
+  CHECK(strncmp(text, "the attitude is not a unit quaternion  ", 39) == 0 && text[59] == ' ');
+  poinsot_plan_ready_f_(&plan, &status);
+  CHECK(status == POINSOT_OK);
+  START(y, q)
+  START(y2, q2)
+  poinsot_drift_f_(&plan, &bodies, y[0], q[0], none, &h, each, &status); /* all of class 1 */
+  CHECK(status == POINSOT_OK && memcmp(q[0], q[2], sizeof q[0]) == 0);
+  poinsot_drift_f_(&plan, &bodies, y2[0], q2[0], twos, &h, each, &status);
+  CHECK(status == POINSOT_OK && memcmp(q2[0], q[0], sizeof q[0]) != 0 && memcmp(q2[1], q[1], sizeof q[0]) == 0);
+  START(y, q)
+  poinsot_drift_f_(&plan, &bodies, y[0], q[0], mixed, &h, each, &status);
+  CHECK(status == POINSOT_E_PARTIAL && each[0] == POINSOT_E_DOMAIN && each[1] == POINSOT_OK && each[2] == POINSOT_OK);
+  CHECK(q[0][0] == 1 && memcmp(q[1], q2[0], sizeof q[1]) == 0 && q[2][0] == 1);
+  poinsot_plan_destroy_f_(&plan);
+  poinsot_plan_create_f_(&plan, &status);
+  poinsot_plan_add_class_f_(&plan, second, &number, &status);
+  number = 4; /* hoomd */
+  poinsot_plan_set_f_(&plan, &(int){3}, &number, &status);
+  poinsot_plan_ready_f_(&plan, &status);
+  for (i = 0; i < n; i++) x[0][i] = 0, x[1][i] = 0.2, x[2][i] = 0.4, x[3][i] = 0.6;
+  {
+    double w[4][n] = {{1, 1, 1}};
+    poinsot_drift_c_f_(&plan, &bodies, x[0], x[1], x[2], x[3], w[0], w[1], w[2], w[3], none, &h, each, &status);
+    CHECK(status == POINSOT_OK && fabs(w[0][0] - q2[0][0]) < 1e-14 && fabs(w[3][2] - q2[0][3]) < 1e-14);
+    bodies = one;
+    poinsot_kick_c_f_(&plan, &bodies, x[0], x[1], x[2], x[3], w[0], w[1], w[2], w[3], none, &h, x[0], x[1], x[2], each, &status);
+    CHECK(status == POINSOT_OK);
+  }
+  poinsot_plan_destroy_f_(&plan);
 }
 
 /* ---- two threads, one plan ------------------------------------------------------------------------------------------ */
@@ -398,6 +523,8 @@ static void threads(void) {
 }
 
 int main(void) {
+  growth();
+  fixed_form();
   library();
   body();
   jacobi();

@@ -5,7 +5,7 @@ module fuzz_entry
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_kinds, only: dp, i8
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_cpu
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_axis_momentum
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_reader, only: scan_source
    use poinsot_scene_run, only: check_scene, run_scene
@@ -110,7 +110,7 @@ contains
    integer function verdict(error)
       type(poinsot_error), intent(in) :: error
       verdict = error%code
-      if (verdict < poinsot_ok .or. verdict > poinsot_e_cpu) verdict = -1
+      if (verdict < poinsot_ok .or. verdict > poinsot_e_axis_momentum) verdict = -1
       if (verdict == poinsot_ok) return
       if (.not. allocated(error%message)) then
          verdict = -1
