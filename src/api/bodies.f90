@@ -22,30 +22,42 @@ contains
       type(c_ptr), intent(in) :: bodies            !! const poinsot_bodies *
       type(body_view), intent(out) :: view
       type(poinsot_error), intent(inout) :: error
-      integer(c_size_t), pointer :: size_of
-      type(poinsot_bodies) :: known
-      integer(c_int8_t), pointer :: bytes(:)
-      integer(c_size_t) :: size
+      type(poinsot_bodies), pointer :: given
 
       if (.not. c_associated(bodies)) then
          call raise(error, poinsot_e_null, "poinsot_bodies: the view is NULL")
          return
       end if
-      call c_f_pointer(bodies, size_of)
-      size = size_of
-      if (.not. (is_known(size) .or. size > c_sizeof(known) .and. size <= longest_struct)) then
-         call raise(error, poinsot_e_size, "poinsot_bodies: set size = sizeof(poinsot_bodies)")
-         return
+      call c_f_pointer(bodies, given)
+      if (given%size == c_sizeof(given)) then
+         call open_view(given, view, error)
+      else
+         call open_other(bodies, given%size, view, error)
       end if
-      call c_f_pointer(bodies, bytes, [size])
-      known = transfer([bytes(:min(size, c_sizeof(known))), &
-                        spread(0_c_int8_t, 1, max(0, int(c_sizeof(known) - size)))], known)
-      if (size < c_sizeof(known)) known%size = c_sizeof(known)
-      if (size > c_sizeof(known)) then
-         if (all(bytes(c_sizeof(known) + 1:) == 0)) known%size = c_sizeof(known)
-      end if
-      call open_view(known, view, error)
    end subroutine open_bodies
+
+   !> A struct of another size.
+   subroutine open_other(bodies, size, view, error)
+      type(c_ptr), intent(in) :: bodies
+      integer(c_size_t), intent(in) :: size
+      type(body_view), intent(inout) :: view
+      type(poinsot_error), intent(inout) :: error
+      type(poinsot_bodies) :: known
+      integer(c_int8_t), pointer :: bytes(:)
+      integer(c_int8_t) :: image(c_sizeof(known))
+      integer(c_size_t) :: common
+      if (is_known(size) .or. size > c_sizeof(known) .and. size <= longest_struct) then
+         call c_f_pointer(bodies, bytes, [size])
+         common = min(size, c_sizeof(known))
+         image = 0
+         image(:common) = bytes(:common)
+         known = transfer(image, known)
+         if (all(bytes(common + 1:) == 0)) known%size = c_sizeof(known)
+         call open_view(known, view, error)
+      else
+         call raise(error, poinsot_e_size, "poinsot_bodies: set size = sizeof(poinsot_bodies)")
+      end if
+   end subroutine open_other
 
    !> Is it the size of the struct in this or an earlier version?
    pure logical function is_known(size)

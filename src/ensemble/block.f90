@@ -74,13 +74,13 @@ contains
       b%stored = .false.
       b%drops = .false.
       if (n < lanes) call rest(n + 1, lanes, b%y, b%q)
-      call copy_in(host%q, row_of(host%view%q_at, at), n, b%q)
+      call take(host%q, host%view%q_at, at, n, b%q)
       if (host%momentum == body_momentum .and. .not. is_turned(host, class)) then
-         call copy_in(host%y, row_of(host%view%y_at, at), n, b%y)
+         call take(host%y, host%view%y_at, at, n, b%y)
          call reject(3, [class%limit, 0.0_dp], b%y, b%q, b%status)
       else
          p = 0
-         call copy_in(host%y, row_of(host%view%y_at, at), n, p)
+         call take(host%y, host%view%y_at, at, n, p)
          call reject(4, spread(huge(p), 1, 4), p, b%q, b%status)
          call to_native(host%momentum, is_turned(host, class), class, p, b%y, b%q)
          call reject_speed(class, b%y, b%status)
@@ -91,18 +91,40 @@ contains
       if (b%compensated) call load_carry(host%view, b)
    end subroutine load_block
 
-   !> Rows of bodies in an array: their places, or what the caller says.
-   pure function row_of(rows, at) result(row)
+   !> Bodies at n places into a block: the rows of the array are their places, or what the caller
+   !> says.
+   subroutine take(a, rows, at, n, into)
+      type(arrays), intent(in) :: a
       integer(c_int), pointer, intent(in) :: rows(:)   !! from 0; not associated: body i is row i
-      integer, intent(in) :: at(:)
-      integer :: row(size(at))
-      integer :: l
-      row = at
-      if (.not. associated(rows)) return
-      do l = 1, size(at)
-         row(l) = rows(at(l)) + 1
-      end do
-   end function row_of
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(inout) :: into(lanes, *)
+      integer :: row(lanes), l
+      if (.not. associated(rows)) then
+         call copy_in(a, at, n, into)
+      else
+         do l = 1, n
+            row(l) = rows(at(l)) + 1
+         end do
+         call copy_in(a, row, n, into)
+      end if
+   end subroutine take
+
+   !> And back.
+   subroutine give(a, rows, at, n, from)
+      type(arrays), intent(inout) :: a
+      integer(c_int), pointer, intent(in) :: rows(:)
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(in) :: from(lanes, *)
+      integer :: row(lanes), l
+      if (.not. associated(rows)) then
+         call copy_out(a, at, n, from)
+      else
+         do l = 1, n
+            row(l) = rows(at(l)) + 1
+         end do
+         call copy_out(a, row, n, from)
+      end if
+   end subroutine give
 
    !> Do the caller's arrays have another body frame than the principal one?
    pure logical function is_turned(host, class)
@@ -286,13 +308,13 @@ contains
       n = b%n
       if (host%momentum == body_momentum .and. &
           .not. (is_turned(host, b%class) .or. any_failed(b%status))) then
-         if (.not. keep_momentum) call copy_out(host%y, row_of(host%view%y_at, b%at(:n)), n, b%y)
-         if (.not. keep_attitude) call copy_out(host%q, row_of(host%view%q_at, b%at(:n)), n, b%q)
+         if (.not. keep_momentum) call give(host%y, host%view%y_at, b%at, n, b%y)
+         if (.not. keep_attitude) call give(host%q, host%view%q_at, b%at, n, b%q)
       else
          call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, b%q, p)
          call pack_lanes(b, p, at, n)
-         if (n > 0 .and. .not. keep_momentum) call copy_out(host%y, row_of(host%view%y_at, at(:n)), n, p)
-         if (n > 0 .and. .not. keep_attitude) call copy_out(host%q, row_of(host%view%q_at, at(:n)), n, b%q)
+         if (n > 0 .and. .not. keep_momentum) call give(host%y, host%view%y_at, at, n, p)
+         if (n > 0 .and. .not. keep_attitude) call give(host%q, host%view%q_at, at, n, b%q)
       end if
       if (.not. b%compensated) return
       do l = 1, b%n
@@ -313,7 +335,7 @@ contains
       do l = 1, b%n
          if (.not. b%dropped(l) .or. b%status(l) /= poinsot_ok) cycle
          p(1, :) = p(l, :)
-         call copy_out(host%y, row_of(host%view%y_at, [b%at(l)]), 1, p)
+         call give(host%y, host%view%y_at, b%at(l:l), 1, p)
       end do
    end subroutine store_dropped
 
@@ -355,20 +377,21 @@ contains
       real(dp), intent(in) :: add(lanes, 3)     !! in the caller's variable and frame
       type(block_flows), intent(inout) :: b
       real(dp) :: total(3)
-      integer :: j, l, row(b%n)
+      integer :: j, l, row
       b%stored = .true.
-      row = row_of(view%y_at, b%at(:b%n))
       do l = 1, b%n
          if (b%status(l) /= poinsot_ok) cycle
+         row = b%at(l)
+         if (associated(view%y_at)) row = view%y_at(row) + 1
          do j = 1, 3
-            total(j) = view%y(j)%of(row(l)) + add(l, j)
+            total(j) = view%y(j)%of(row) + add(l, j)
          end do
          if (maxval(magnitude(total)) >= exponent_bits) then
             b%status(l) = poinsot_e_domain
             cycle
          end if
          do j = 1, 3
-            view%y(j)%of(row(l)) = total(j)
+            view%y(j)%of(row) = total(j)
          end do
       end do
    end subroutine add_momentum

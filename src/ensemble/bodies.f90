@@ -117,13 +117,16 @@ contains
       if (c_associated(bodies%y_at)) call c_f_pointer(bodies%y_at, view%y_at, [bodies%n])
       if (c_associated(bodies%q_at)) call c_f_pointer(bodies%q_at, view%q_at, [bodies%n])
       do j = 1, 3
-         call open_rows(bodies%y(j), bodies, bodies%y_stride, view%y_at, "y", view%y(j), error)
+         call open_rows(bodies%y(j), bodies, bodies%y_stride, view%y_at, "poinsot_bodies: y", &
+                        view%y(j), error)
       end do
       if (c_associated(bodies%y_fourth)) then
-         call open_rows(bodies%y_fourth, bodies, bodies%y_stride, view%y_at, "y", view%y(4), error)
+         call open_rows(bodies%y_fourth, bodies, bodies%y_stride, view%y_at, &
+                        "poinsot_bodies: y", view%y(4), error)
       end if
       do j = 1, 4
-         call open_rows(bodies%q(j), bodies, bodies%q_stride, view%q_at, "q", view%q(j), error)
+         call open_rows(bodies%q(j), bodies, bodies%q_stride, view%q_at, "poinsot_bodies: q", &
+                        view%q(j), error)
       end do
       call open_classes(bodies, view, error)
       if (c_associated(bodies%id)) call c_f_pointer(bodies%id, view%id, [bodies%n])
@@ -182,7 +185,7 @@ contains
          if (rows == 0) rows = int(max(0, maxval(at)), c_size_t) + 1
          if (rows < 0 .or. rows > huge(0)) rows = huge(0)
       end if
-      call open_column(base, rows, stride, "poinsot_bodies: "//what, into, error)
+      call open_column(base, rows, stride, what, into, error)
    end subroutine open_rows
 
    !> Rows that the caller names must be there. POINSOT_E_SIZE names the first that is not.
