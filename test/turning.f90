@@ -1,7 +1,7 @@
 !> A block under test: a body class, a method, a splitting and effects put together, and an
 !> independent judge for torques that the Taylor series of the oracle does not know.
 module test_turning
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8, groups, lanes
    use poinsot_core_status, only: poinsot_ok
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_body_class, only: body_class, make_class
@@ -119,6 +119,7 @@ contains
          it%block%q(:, j) = q(j)
       end do
       it%block%status = poinsot_ok
+      it%block%nvec = groups
       it%block%carry = 0
       it%block%fresh = .false.
    end subroutine place

@@ -6,7 +6,7 @@
 !> written back.
 module poinsot_ensemble_block
    use, intrinsic :: iso_c_binding, only: c_int
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_not_finite, &
       poinsot_e_not_unit, poinsot_e_axis_momentum
@@ -67,6 +67,7 @@ contains
       real(dp) :: p(lanes, 4)
 
       b%n = n
+      b%nvec = (n + group - 1)/group
       b%number = number
       b%class => class
       b%at(1:n) = at

@@ -1,90 +1,198 @@
-!> Dealing bodies out to blocks of one class, chunk by chunk. A chunk is the unit that OpenMP deals
-!> out to threads.
+!> Bodies sorted by class, chunk by chunk, so that they go into blocks of one class. A chunk is the
+!> unit that OpenMP hands to threads.
 module poinsot_ensemble_chunk
-   use poinsot_core_kinds, only: lanes
+   use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_ensemble_bodies, only: body_view
    implicit none(type, external)
    private
-   public :: chunk_size, chunk_count, class_sorted_chunk, collect_chunk, next_block
+   public :: chunk_length, chunk_count, class_sorted_chunk, collect_chunk, next_block
 
-   integer, parameter :: chunk_size = 8*lanes !! bodies in a chunk
+   integer, parameter :: short = 8*lanes         !! bodies in a chunk where all are of one class
+   integer, parameter :: long = 256*lanes        !! at most where there are more: blocks fill up
+   integer, parameter :: chunks_per_thread = 4   !! then at least, if there are bodies enough
+   integer, parameter :: widest = 8*long         !! range of class numbers that is counted out
 
-   !> The bodies of one chunk in the order in which they go into blocks: class by class.
+   !> The bodies of one chunk in the order in which they go into blocks: class by class, each in the
+   !> order of their places.
    type :: class_sorted_chunk
       integer :: n                         !! bodies in it
-      logical :: one_class                 !! they are all of class 1
-      integer :: at(chunk_size)            !! their places in the caller's arrays
-      integer :: class(chunk_size)         !! their classes
       integer :: done                      !! how many have gone into blocks
+      logical :: one_class                 !! they are all of class 1, in the order of their places
+      integer :: first                     !! of them, then
+      integer(i8) :: touched               !! what was read ahead; nobody needs it
+      integer :: at(long)                  !! their places in the caller's arrays
+      integer :: class(long)               !! their classes
    end type class_sorted_chunk
 
 contains
 
+   !> How many bodies make a chunk. The more there are, the fuller the blocks of bodies whose classes
+   !> come in any order.
+   pure integer function chunk_length(view, team)
+      type(body_view), intent(in) :: view
+      integer, intent(in) :: team             !! threads that share the chunks
+      chunk_length = short
+      if (.not. associated(view%body_class)) return
+      chunk_length = max(short, min(long, lanes*(view%n/(lanes*chunks_per_thread*max(1, team)))))
+   end function chunk_length
+
    !> Chunks that n bodies make.
-   pure integer function chunk_count(n)
-      integer, intent(in) :: n
-      chunk_count = (n + chunk_size - 1)/chunk_size
+   pure integer function chunk_count(n, length)
+      integer, intent(in) :: n, length        !! bodies; chunk_length
+      chunk_count = (n + length - 1)/length
    end function chunk_count
 
    !> Collect chunk number k. A body whose class does not exist is refused: POINSOT_E_DOMAIN, and
    !> left out; one whose class is negative is left out in peace.
-   subroutine collect_chunk(view, classes, k, h, refused)
+   subroutine collect_chunk(view, classes, length, k, h, refused)
       type(body_view), intent(in) :: view
       integer, intent(in) :: classes          !! how many classes there are
+      integer, intent(in) :: length           !! chunk_length
       integer, intent(in) :: k                !! chunk, from 1
       type(class_sorted_chunk), intent(inout) :: h
       logical, intent(inout) :: refused
-      integer :: i, first, last, class
-
-      first = (k - 1)*chunk_size + 1
-      last = min(view%n, k*chunk_size)
-      h%n = 0
+      integer :: last
+      h%first = (k - 1)*length + 1
+      last = min(view%n, k*length)
       h%done = 0
+      h%n = last - h%first + 1
       h%one_class = .not. associated(view%body_class)
-      if (h%one_class) then
-         h%n = last - first + 1
-         do i = 1, h%n
-            h%at(i) = first + i - 1
-         end do
-         return
-      end if
-      do i = first, last
-         class = view%body_class(i)
-         if (class >= view%first_class .and. class < view%first_class + classes) then
-            call insert(h, i, class - view%first_class + 1)
-         else if (class < 0) then ! skipped
+      if (.not. h%one_class) call sort_by_class(view, classes, last, h, refused)
+   end subroutine collect_chunk
+
+   !> Classes that are there, in the order of their places; then sorted if they are not.
+   subroutine sort_by_class(view, classes, last, h, refused)
+      type(body_view), intent(in) :: view
+      integer, intent(in) :: classes, last
+      type(class_sorted_chunk), intent(inout) :: h
+      logical, intent(inout) :: refused
+      integer :: i, class, before
+      logical :: sorted
+      sorted = .true.
+      before = 0
+      h%n = 0
+      do i = h%first, last
+         class = view%body_class(i) - view%first_class + 1
+         if (class >= 1 .and. class <= classes) then
+            h%n = h%n + 1
+            h%at(h%n) = i
+            h%class(h%n) = class
+            sorted = sorted .and. class >= before
+            before = class
+         else if (view%body_class(i) < 0) then ! skipped
             if (associated(view%status)) view%status(i) = poinsot_ok
          else
             refused = .true.
             if (associated(view%status)) view%status(i) = poinsot_e_domain
          end if
       end do
-   end subroutine collect_chunk
+      if (sorted) return
+      if (maxval(h%class(:h%n)) - minval(h%class(:h%n)) < widest) then
+         call count_out(minval(h%class(:h%n)), maxval(h%class(:h%n)), h)
+      else
+         call merge_sort(h)
+      end if
+      call read_ahead(view, last, h)
+   end subroutine sort_by_class
 
-   !> Insert a body behind the others of its class. Bodies usually come class by class already: then
-   !> nothing moves.
-   pure subroutine insert(h, at, class)
+   !> Sort by counting: how many of each class, where each class begins, and everyone to its place.
+   pure subroutine count_out(least, most, h)
+      integer, intent(in) :: least, most      !! class numbers
       type(class_sorted_chunk), intent(inout) :: h
-      integer, intent(in) :: at, class
-      integer :: j
-      j = h%n
-      do while (j > 0)
-         if (h%class(j) <= class) exit
-         h%at(j + 1) = h%at(j)
-         h%class(j + 1) = h%class(j)
-         j = j - 1
+      integer :: at(h%n), class(h%n), next(least:most), i, place, n
+      at = h%at(:h%n)
+      class = h%class(:h%n)
+      next = 0
+      do i = 1, h%n
+         next(class(i)) = next(class(i)) + 1
       end do
-      h%at(j + 1) = at
-      h%class(j + 1) = class
-      h%n = h%n + 1
-   end subroutine insert
+      place = 1
+      do i = least, most
+         n = next(i)
+         next(i) = place
+         place = place + n
+      end do
+      do i = 1, h%n
+         place = next(class(i))
+         next(class(i)) = place + 1
+         h%at(place) = at(i)
+         h%class(place) = class(i)
+      end do
+   end subroutine count_out
 
-   !> The next block of the chunk: up to `lanes` bodies of one class. n = 0 when there are none
-   !> left.
-   pure subroutine next_block(h, first, n, number)
+   !> Sort by merging, where the numbers of the classes lie far apart.
+   pure subroutine merge_sort(h)
       type(class_sorted_chunk), intent(inout) :: h
-      integer, intent(out) :: first, n, number
+      integer(i8) :: key(h%n), other(h%n)
+      integer :: width, from
+      key = shiftl(int(h%class(:h%n), i8), 32) + h%at(:h%n)
+      width = 1
+      do while (width < h%n)
+         do from = 1, h%n, 2*width
+            call merge_runs(key(from:min(h%n, from + width - 1)), &
+                            key(from + width:min(h%n, from + 2*width - 1)), &
+                            other(from:min(h%n, from + 2*width - 1)))
+         end do
+         key = other
+         width = 2*width
+      end do
+      h%class(:h%n) = int(shiftr(key, 32))
+      h%at(:h%n) = int(iand(key, 4294967295_i8))
+   end subroutine merge_sort
+
+   !> Two sorted runs into one.
+   pure subroutine merge_runs(a, b, into)
+      integer(i8), intent(in) :: a(:), b(:)
+      integer(i8), intent(out) :: into(:)
+      integer :: i, j, k
+      i = 1
+      j = 1
+      do k = 1, size(into)
+         if (j > size(b)) then
+            into(k) = a(i)
+            i = i + 1
+         else if (i > size(a)) then
+            into(k) = b(j)
+            j = j + 1
+         else if (a(i) <= b(j)) then
+            into(k) = a(i)
+            i = i + 1
+         else
+            into(k) = b(j)
+            j = j + 1
+         end if
+      end do
+   end subroutine merge_runs
+
+   !> Read one component of every body in the order of the places: memory is fetched at its full
+   !> speed, and the blocks that follow, whose bodies are scattered, find theirs in the cache.
+   subroutine read_ahead(view, last, h)
+      type(body_view), intent(in) :: view
+      integer, intent(in) :: last
+      type(class_sorted_chunk), intent(inout) :: h
+      h%touched = 0
+      if (.not. associated(view%y_at)) h%touched = touch(view%y(1)%of(h%first:last))
+      if (.not. associated(view%q_at)) h%touched = ior(h%touched, touch(view%q(1)%of(h%first:last)))
+   end subroutine read_ahead
+
+   !> Bits of all of them, so that nothing is raised and nothing is left out.
+   pure integer(i8) function touch(x)
+      real(dp), intent(in) :: x(:)
+      integer :: i
+      touch = 0
+      do i = 1, size(x)
+         touch = ieor(touch, transfer(x(i), 1_i8))
+      end do
+   end function touch
+
+   !> The next block of the chunk: up to `lanes` bodies of one class, with their places. n = 0 when
+   !> there are none left.
+   pure subroutine next_block(h, n, number, at)
+      type(class_sorted_chunk), intent(inout) :: h
+      integer, intent(out) :: n, number       !! bodies; their class
+      integer, intent(out) :: at(lanes)       !! the first n are set
+      integer :: l, first
       first = h%done + 1
       n = 0
       number = 0
@@ -92,14 +200,17 @@ contains
       if (h%one_class) then
          number = 1
          n = min(lanes, h%n - h%done)
-         h%done = h%done + n
-         return
+         do l = 1, n
+            at(l) = h%first + h%done + l - 1
+         end do
+      else
+         number = h%class(first)
+         do while (n < lanes .and. first + n <= h%n)
+            if (h%class(first + n) /= number) exit
+            n = n + 1
+            at(n) = h%at(first + n - 1)
+         end do
       end if
-      number = h%class(first)
-      do while (n < lanes .and. first + n <= h%n)
-         if (h%class(first + n) /= number) exit
-         n = n + 1
-      end do
       h%done = h%done + n
    end subroutine next_block
 

@@ -1,14 +1,16 @@
-!> The one loop over bodies: chunks dealt out to threads, blocks loaded, worked on, stored.
+!> The one loop over bodies: chunks handed to threads, blocks loaded, worked on, stored.
 !>
 !> What is done to a block is a `block_job`; the loop knows nothing of it. Threads start once per
 !> call, however many steps the job makes. Inside somebody else's parallel region the loop runs
 !> serial.
 module poinsot_ensemble_drive
+   use poinsot_core_kinds, only: lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_partial
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_block, only: host_arrays, open_host, load_block, store_block, store_status
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_count, collect_chunk, next_block
+   use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_length, chunk_count, collect_chunk, &
+      next_block
    use poinsot_ensemble_layout, only: body_momentum
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_splitting_block_flows, only: block_flows
@@ -50,12 +52,13 @@ contains
       class(block_job), intent(inout) :: job
       class(block_job), allocatable :: mine         !! a thread's own copy: jobs have work space
       type(host_arrays) :: host
-      integer :: k, chunks, team, state
+      integer :: k, length, chunks, team, state
       logical :: failed, short
 
-      chunks = chunk_count(view%n)
       team = 1
       !$ if (.not. omp_in_parallel()) team = merge(threads, omp_get_max_threads(), threads > 0)
+      length = chunk_length(view, team)
+      chunks = chunk_count(view%n, length)
       team = max(1, min(team, chunks))
       failed = .false.
       if (view%n == 0) then
@@ -71,7 +74,7 @@ contains
       short = .false.
       if (team > 1) then
          !$omp parallel num_threads(team) default(none) reduction(.or.: failed) &
-         !$omp shared(job, chunks, short) firstprivate(host) private(k, mine, state)
+         !$omp shared(job, length, chunks, short) firstprivate(host) private(k, mine, state)
          allocate (mine, source=job, stat=state)
          if (state /= 0) then
             !$omp atomic write
@@ -81,7 +84,7 @@ contains
          if (.not. short) then
             !$omp do schedule(static)
             do k = 1, chunks
-               call run_chunk(host, mine, k, failed)
+               call run_chunk(host, mine, length, k, failed)
             end do
             !$omp end do
          end if
@@ -90,32 +93,32 @@ contains
       end if
       if (team == 1 .or. short) then ! short of memory for the others: one thread does it all
          do k = 1, chunks
-            call run_chunk(host, job, k, failed)
+            call run_chunk(host, job, length, k, failed)
          end do
       end if
       status = merge(poinsot_e_partial, poinsot_ok, failed)
    end function for_each_block
 
    !> All blocks of one chunk.
-   subroutine run_chunk(host, job, k, failed)
+   subroutine run_chunk(host, job, length, k, failed)
       type(host_arrays), intent(inout) :: host
       class(block_job), intent(inout) :: job
-      integer, intent(in) :: k
+      integer, intent(in) :: length, k
       logical, intent(inout) :: failed
       type(class_sorted_chunk) :: h
       type(block_flows) :: b
       type(body_class), pointer :: class
-      integer :: first, n, c, classes
+      integer :: at(lanes), n, c, classes
 
       classes = 1
       if (associated(job%plan)) classes = size(job%plan%classes)
-      call collect_chunk(host%view, classes, k, h, failed)
+      call collect_chunk(host%view, classes, length, k, h, failed)
       do
-         call next_block(h, first, n, c)
+         call next_block(h, n, c, at)
          if (n == 0) exit
          class => job%class
          if (associated(job%plan)) class => job%plan%classes(c)
-         call load_block(host, h%at(first:first + n - 1), n, c, class, b)
+         call load_block(host, at(:n), n, c, class, b)
          call job%run(b)
          if (job%read_only) then
             call store_status(host%view, b)

@@ -6,7 +6,8 @@ module poinsot_ensemble_gather
    use poinsot_effect_effect, only: pair_effect
    use poinsot_ensemble_block, only: host_arrays, open_host, load_block, store_block
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_count, collect_chunk, next_block
+   use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_length, chunk_count, collect_chunk, &
+      next_block
    use poinsot_ensemble_compose, only: attach_plan
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_system, only: ensemble_flows
@@ -62,12 +63,13 @@ contains
       type(body_view), intent(in) :: view
       logical, intent(inout) :: failed
       type(class_sorted_chunk) :: h
-      integer :: c, first, n, class
+      integer :: at(lanes), length, c, n, class
       blocks = 0
-      do c = 1, chunk_count(view%n)
-         call collect_chunk(view, size(plan%classes), c, h, failed)
+      length = chunk_length(view, 1)
+      do c = 1, chunk_count(view%n, length)
+         call collect_chunk(view, size(plan%classes), length, c, h, failed)
          do
-            call next_block(h, first, n, class)
+            call next_block(h, n, class, at)
             if (n == 0) exit
             blocks = blocks + 1
          end do
@@ -111,18 +113,18 @@ contains
       logical, intent(inout) :: failed
       type(class_sorted_chunk) :: h
       type(host_arrays) :: host
-      integer :: c, k, first, n, class
+      integer :: at(lanes), length, c, k, n, class
       if (view%n > 0) call open_host(view, plan%momentum, plan%principal, host)
       host%wants_id = .true.
       k = 0
-      do c = 1, chunk_count(view%n)
-         call collect_chunk(view, size(plan%classes), c, h, failed)
+      length = chunk_length(view, 1)
+      do c = 1, chunk_count(view%n, length)
+         call collect_chunk(view, size(plan%classes), length, c, h, failed)
          do
-            call next_block(h, first, n, class)
+            call next_block(h, n, class, at)
             if (n == 0) exit
             k = k + 1
-            call load_block(host, h%at(first:first + n - 1), n, class, plan%classes(class), &
-                            system%at(k))
+            call load_block(host, at(:n), n, class, plan%classes(class), system%at(k))
             system%at(k)%at(n + 1:) = 0
             call attach_plan(plan, system%at(k))
          end do

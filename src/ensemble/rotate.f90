@@ -1,7 +1,7 @@
 !> Free rotation of many bodies of one kind: the shortest way in.
 module poinsot_ensemble_rotate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use poinsot_core_kinds, only: dp, group
+   use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
    use poinsot_body_class, only: body_class, extend_class, needs_more
@@ -73,15 +73,14 @@ contains
    subroutine run_rotate(self, b)
       class(rotate_job), intent(inout) :: self
       type(block_flows), intent(inout) :: b
-      integer :: k, nvec
-      nvec = (b%n + group - 1)/group
+      integer :: k
       if (b%compensated) then
          do k = 1, self%steps
-            call advance(self%method, b%class, self%h, b%y, b%q, b%status, b%carry, nvec)
+            call advance(self%method, b%class, self%h, b%y, b%q, b%status, b%carry, b%nvec)
          end do
       else
          do k = 1, self%steps
-            call advance(self%method, b%class, self%h, b%y, b%q, b%status, nvec=nvec)
+            call advance(self%method, b%class, self%h, b%y, b%q, b%status, nvec=b%nvec)
          end do
       end if
    end subroutine run_rotate

@@ -4,7 +4,7 @@
 !> whatever moves a body moves them here. What acts on it was composed when the plan was closed
 !> (poinsot_splitting_class_flows) and is looked at through pointers, for the length of a call.
 module poinsot_splitting_block_flows
-   use poinsot_core_kinds, only: dp, i8, group, lanes
+   use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step
    use poinsot_core_lanes, only: any_failed
    use poinsot_body_class, only: body_class
@@ -29,6 +29,7 @@ module poinsot_splitting_block_flows
       integer :: status(lanes)                !! a lane that is not ok stands still
       logical :: compensated
       integer :: n                            !! bodies in it; the other lanes are padding at rest
+      integer :: nvec                         !! groups of lanes that hold them
       integer :: at(lanes)                    !! where each stands in the caller's arrays; 0: padding
       integer :: number                       !! of the body class
       logical :: stored                       !! the caller's arrays have the result already
@@ -102,12 +103,11 @@ contains
    subroutine rotate(self, h)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
-      integer :: nvec
-      nvec = (self%n + group - 1)/group
       if (self%compensated) then
-         call advance(self%method, self%class, h, self%y, self%q, self%status, self%carry, nvec)
+         call advance(self%method, self%class, h, self%y, self%q, self%status, self%carry, &
+                      nvec=self%nvec)
       else
-         call advance(self%method, self%class, h, self%y, self%q, self%status, nvec=nvec)
+         call advance(self%method, self%class, h, self%y, self%q, self%status, nvec=self%nvec)
       end if
    end subroutine rotate
 
