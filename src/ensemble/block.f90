@@ -23,7 +23,7 @@ module poinsot_ensemble_block
 
    !> The caller's arrays as one call sees them.
    type :: host_arrays
-      type(body_view) :: view
+      type(body_view), pointer :: view => null()
       type(arrays) :: y, q
       integer :: momentum = body_momentum          !! the momentum variable
       logical :: principal = .false.               !! the arrays are in principal frames, whatever
@@ -43,11 +43,11 @@ contains
 
    !> Look at the caller's arrays, once per call.
    subroutine open_host(view, momentum, principal, host)
-      type(body_view), intent(in) :: view
+      type(body_view), intent(in), target :: view  !! it must outlive `host`
       integer, intent(in) :: momentum              !! the caller's momentum variable
       logical, intent(in) :: principal             !! in principal frames
       type(host_arrays), intent(out) :: host
-      host%view = view
+      host%view => view
       host%momentum = momentum
       host%principal = principal
       call find_layout(view%y, merge(4, 3, momentum == conjugate_momentum), host%y)
@@ -78,11 +78,11 @@ contains
       call take(host%q, host%view%q_at, at, n, b%q)
       if (host%momentum == body_momentum .and. .not. is_turned(host, class)) then
          call take(host%y, host%view%y_at, at, n, b%y)
-         call reject(3, [class%limit, 0.0_dp], b%y, b%q, b%status)
+         call reject(b%nvec, 3, [class%limit, 0.0_dp], b%y, b%q, b%status)
       else
          p = 0
          call take(host%y, host%view%y_at, at, n, p)
-         call reject(4, spread(huge(p), 1, 4), p, b%q, b%status)
+         call reject(b%nvec, 4, [huge(p), huge(p), huge(p), huge(p)], p, b%q, b%status)
          call to_native(host%momentum, is_turned(host, class), class, p, b%y, b%q)
          call reject_speed(class, b%y, b%status)
       end if
@@ -183,34 +183,38 @@ contains
    pure subroutine rest(first, last, y, q)
       integer, intent(in) :: first, last
       real(dp), intent(inout) :: y(lanes, *), q(lanes, 4)
-      integer :: l
-      do l = first, last
-         y(l, 1:3) = 0
-         q(l, :) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
+      integer :: j
+      do j = 1, 3
+         y(first:last, j) = 0
+         q(first:last, j + 1) = 0
       end do
+      q(first:last, 1) = 1
    end subroutine rest
 
    !> Put lanes at rest whose momenta are not finite or beyond a limit, or whose quaternion is not
    !> of unit norm. Bits are compared: a comparison with a NaN would raise an exception in hosts
    !> that trap. A component of q above 2 counts as 2, so that its square is a number.
-   pure subroutine reject(columns, limit, p, q, status)
+   pure subroutine reject(nvec, columns, limit, p, q, status)
+      integer, intent(in) :: nvec                   !! groups of lanes that hold bodies
       integer, intent(in) :: columns                !! of p, 3 or 4
       real(dp), intent(in) :: limit(4)
       real(dp), intent(inout) :: p(lanes, columns), q(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      integer(i8) :: top(4), slack, excess(lanes)
+      integer(i8) :: top(4), slack, excess(lanes), most
       integer :: l
       top = magnitude(limit)
       slack = magnitude(norm_slack)
+      most = 0
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, group*nvec
          excess(l) = max(magnitude(p(l, 1)) - top(1), magnitude(p(l, 2)) - top(2), &
                          magnitude(p(l, 3)) - top(3), magnitude(p(l, columns)) - top(columns), &
                          magnitude(square(q(l, 1)) + square(q(l, 2)) + square(q(l, 3)) &
                                    + square(q(l, 4)) - 1) - slack)
+         most = max(most, excess(l))
       end do
-      if (maxval(excess) <= 0) return
-      do l = 1, lanes
+      if (most <= 0) return
+      do l = 1, group*nvec
          if (excess(l) <= 0) cycle
          status(l) = cause(p(l, :), q(l, :))
          p(l, :) = 0

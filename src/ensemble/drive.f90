@@ -47,7 +47,7 @@ contains
    !> Do a job on all bodies. Returns POINSOT_OK, or POINSOT_E_PARTIAL if some bodies failed: those
    !> keep the state they had.
    integer function for_each_block(view, threads, job) result(status)
-      type(body_view), intent(in) :: view
+      type(body_view), intent(in), target :: view
       integer, intent(in) :: threads                !! 0: as OpenMP says
       class(block_job), intent(inout) :: job
       class(block_job), allocatable :: mine         !! a thread's own copy: jobs have work space

@@ -108,7 +108,7 @@ contains
 
    subroutine load_all(plan, view, system, failed)
       type(poinsot_plan), intent(in), target :: plan
-      type(body_view), intent(in) :: view
+      type(body_view), intent(in), target :: view
       type(ensemble_flows), intent(inout) :: system
       logical, intent(inout) :: failed
       type(class_sorted_chunk) :: h
@@ -134,7 +134,7 @@ contains
    !> All blocks back into the caller's arrays.
    subroutine store_all(plan, view, system, failed)
       type(poinsot_plan), intent(in) :: plan        !! ready
-      type(body_view), intent(in) :: view           !! the caller's arrays
+      type(body_view), intent(in), target :: view   !! the caller's arrays
       type(ensemble_flows), intent(inout) :: system !! all blocks
       logical, intent(inout) :: failed              !! set if a body failed
       type(host_arrays) :: host
