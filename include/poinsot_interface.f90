@@ -4,7 +4,7 @@
 ! poinsot` is the shorter way.
 module poinsot_interface
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funptr, c_int, c_int64_t, &
-      c_null_ptr, c_ptr, c_intptr_t, c_size_t
+      c_null_ptr, c_ptr, c_intptr_t, c_size_t, c_sizeof
    implicit none
    private
    public :: poinsot_bodies

@@ -6,8 +6,8 @@ module poinsot_study_hard_promises
       ieee_positive_inf
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_step, &
-      poinsot_e_convergence
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_not_finite, poinsot_e_not_unit, &
+      poinsot_e_step, poinsot_e_convergence
    use poinsot_body_class, only: body_class, make_class
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_rotate, only: rotate_bodies
@@ -256,7 +256,7 @@ contains
          if (k > 6) q(2) = factors(k)
          kept = q
          call rotate_one(name, b, q, status)
-         if (status /= poinsot_e_domain) figure = broken
+         if (status /= merge(poinsot_e_not_unit, poinsot_e_not_finite, k <= 6)) figure = broken
          if (any(transfer(q, [0, 0]) /= transfer(kept, [0, 0]))) figure = broken
       end do
    end function no_unit

@@ -118,7 +118,7 @@ static void states(void) {
 }
 
 static void judge_status(poinsot_status s) {
-  if (s < 0 || s > POINSOT_E_CPU) wrong("a status that is none");
+  if (s < 0 || s > POINSOT_E_AXIS_MOMENTUM) wrong("a status that is none");
   if (s != POINSOT_OK && s != POINSOT_E_PARTIAL && s != POINSOT_E_CALLBACK &&
       (memcmp(y, y_before, sizeof y) || memcmp(q, q_before, sizeof q) || memcmp(carry, carry0, sizeof carry)))
     wrong("refused, and an array has changed");
@@ -130,7 +130,7 @@ static void judge_rows(size_t n, poinsot_status s) {
   int bad = 0;
   if (s != POINSOT_OK && s != POINSOT_E_PARTIAL) return;
   for (i = 0; i < n; i++) {
-    if (each[i] < 0 || each[i] > POINSOT_E_CPU) wrong("a body's status that is none");
+    if (each[i] < 0 || each[i] > POINSOT_E_AXIS_MOMENTUM) wrong("a body's status that is none");
     if (each[i] != POINSOT_OK) {
       bad = 1;
       if (memcmp(y + 3 * i, y_before + 3 * i, 3 * sizeof *y) || memcmp(q + 4 * i, q_before + 4 * i, 4 * sizeof *q))

@@ -37,8 +37,12 @@ do for [kind in kinds] {
    gap = 0.036; letter = 0.0098; overhang = 2
    if (ends > 0) { load 'ends.gp' }
    set rmargin 3 + 0.78*overhang
-   plot 1 with lines lw 3 lc rgb '#c8c8c8', \
-      for [k=1:ends] file skip 1 using (strcol(2) eq end_text[k] && column(8) > 0 ? column(1) : NaN):8 \
-         with linespoints pt shape(k + 1) ps 0.8 lw 1.6 lc rgb colour(k + 1)
+   if (ends > 0) {
+      plot 1 with lines lw 3 lc rgb '#c8c8c8', \
+         for [k=1:ends] file skip 1 using (strcol(2) eq end_text[k] && column(8) > 0 ? column(1) : NaN):8 \
+            with linespoints pt shape(k + 1) ps 0.8 lw 1.6 lc rgb colour(k + 1)
+   } else { # nothing was measured in time
+      plot 1 with lines lw 3 lc rgb '#c8c8c8'
+   }
    unset output
 }
