@@ -9,7 +9,7 @@ module poinsot_ensemble_chunk
    public :: chunk_length, chunk_count, class_sorted_chunk, collect_chunk, next_block
 
    integer, parameter :: short = 8*lanes         !! bodies in a chunk where all are of one class
-   integer, parameter :: long = 128*lanes        !! at most where there are more: blocks fill up
+   integer, parameter :: long = 256*lanes        !! at most where there are more: blocks fill up
    integer, parameter :: chunks_per_thread = 4   !! then at least, if there are bodies enough
    integer, parameter :: widest = 8*long         !! range of class numbers that is counted out
 
