@@ -109,6 +109,11 @@ no_memory_app() {
    [ $code = 1 ]
 }
 has_numpy() { "$PYTHON" -c "import numpy" 2>/dev/null; }
+# The Python package with the installed library and app.
+in_python() {
+   env OMP_NUM_THREADS=2 PYTHONPATH=python PYTHONDONTWRITEBYTECODE=1 POINSOT_LIBRARY="$prefix/lib/libpoinsot.so" \
+      POINSOT_APP="$prefix/bin/poinsot" "$PYTHON" "$@"
+}
 older_processor() {
    eval "$CC -std=c99 test/consumer/older.c -o $work/build/older $(config --cflags --libs)" &&
       LD_LIBRARY_PATH=$prefix/lib qemu-x86_64 -cpu Nehalem $work/build/older
@@ -267,9 +272,15 @@ if have pkg-config; then
 fi
 expect "other-compiler" other_compiler
 if has_numpy; then
-   expect "example-python" env OMP_NUM_THREADS=2 "$PYTHON" example/python/free_bodies.py "$prefix/lib/libpoinsot.so"
+   expect "example-python" in_python example/python/free_body.py "$work/free_body.png"
+   expect "example-python-cost" in_python example/python/what_accuracy_costs.py "$work/cost.png" 3s
+   if "$PYTHON" -c "import pytest" 2>/dev/null; then
+      expect "python" in_python -m pytest -q -p no:cacheprovider python/tests
+   else
+      skip "python" "no pytest for $PYTHON"
+   fi
 else
-   skip "example-python" "no NumPy for $PYTHON"
+   skip "python" "no NumPy for $PYTHON"
 fi
 [ "$(uname)" != Linux ] || expect "fork" env OMP_NUM_THREADS=2 "$PYTHON" test/consumer/fork.py "$prefix/lib/libpoinsot.so"
 if [ -n "$have_api" ]; then

@@ -91,6 +91,7 @@ _signatures: dict[str, tuple[Any, ...]] = {  # result, then arguments
     "plan_destroy": (None, c.POINTER(pointer)),
     "plan_add_class": (c.c_int, pointer, pointer, c.POINTER(c.c_int)),
     "plan_add_class_tensor": (c.c_int, pointer, pointer, c.POINTER(c.c_int)),
+    "plan_class_axes": (c.c_int, pointer, c.c_int, pointer),
     "plan_set": (c.c_int, pointer, text, text),
     "plan_add_effect": (c.c_int, pointer, text, text),
     "plan_ready": (c.c_int, pointer),
@@ -106,20 +107,20 @@ _signatures: dict[str, tuple[Any, ...]] = {  # result, then arguments
 }
 
 
-def package_file(*names: str) -> Optional[Path]:
-    """The first of these files that is in the package, in any of its folders: an editable install has two."""
+def package_file(*patterns: str) -> Optional[Path]:
+    """The first file of the package that is called so, in any of its folders: an editable install has two."""
     import poinsot
 
     for folder in poinsot.__path__:
-        for name in names:
-            if (found := Path(folder, name)).exists():
+        for pattern in patterns:
+            for found in sorted(Path(folder).glob(pattern)):
                 return found
     return None
 
 
 def _load() -> c.CDLL:
     """The library. The package's own is asked for by one without code that needs it: so the loader chooses the level."""
-    name = os.environ.get("POINSOT_LIBRARY") or package_file("lib/libpoinsot_any.so", "lib/libpoinsot.so", "lib/libpoinsot.dylib")
+    name = os.environ.get("POINSOT_LIBRARY") or package_file("lib/libpoinsot_any.so", "lib/libpoinsot*.so.*", "lib/libpoinsot*.dylib")
     if name is None:
         raise ImportError("poinsot: the package has no library in it; install it by pip, or name a libpoinsot.so in the "
                           "environment variable POINSOT_LIBRARY")

@@ -113,6 +113,13 @@ class Plan:
         """Add a kind of body by its inertia tensor, shape (3, 3). y, q and torques of its bodies refer to the tensor's frame."""
         return self._add("plan_add_class_tensor", read("tensor", tensor, (3, 3)).copy())
 
+    def class_axes(self, number: int) -> np.ndarray:
+        """Principal axes of a class, as columns, in the frame that it was given in: shape (3, 3)."""
+        axes = np.empty((3, 3))
+        check(library.poinsot_plan_class_axes(self._one, operator.index(number), axes.ctypes.data),
+              f"there is no class {number} in the plan")
+        return axes
+
     def add_effect(self, name: str, *, body_class: Optional[int] = None, **keys: Any) -> None:
         """Add an effect by name (poinsot.effects()) with its keys, which `poinsot effects NAME` explains: numbers, arrays, texts.
 
