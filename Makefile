@@ -28,7 +28,7 @@ export FC PORTABLE TARGET EXTRA_FLAGS PICTURES BUILDER BUILD SETUP
 stage := $(BUILD)/stage
 out := poinsot-out
 
-.PHONY: all setup build demo test check-deep test-mpi bench lint docs install uninstall clean distclean help
+.PHONY: all setup build demo test check-deep check-routes test-mpi bench lint docs install uninstall clean distclean help
 .NOTPARALLEL:
 
 all: build
@@ -50,6 +50,9 @@ check-deep: build ## all tests, long ones too; sanitizers, valgrind, flags, cove
 	@tools/test.sh --deep $(SUITE)
 	@bench/assembly.sh
 	@tools/deep.sh
+
+check-routes: build ## every way to build and to link: CMake, FetchContent, fpm, Meson, levels, both MPIs, ...; code 77 if tools are missing
+	@tools/routes.sh
 
 test-mpi: ## set up MPI, build with MPI=1, run the tests of several processes
 	@$(MAKE) --no-print-directory build MPI=1

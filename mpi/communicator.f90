@@ -1,7 +1,7 @@
-!> The ranks of an MPI run.
+!> The ranks of an MPI run, by the interface that MPICH and Open MPI both have for every type of buffer.
 module mpi_communicators
-   use mpi, only: mpi_comm_world, mpi_double_precision, mpi_integer, mpi_integer8, mpi_in_place, mpi_max, &
-      mpi_datatype_null, mpi_init, mpi_finalize, mpi_comm_rank, mpi_comm_size
+   use mpi_f08, only: mpi_comm_world, mpi_double_precision, mpi_integer, mpi_integer8, mpi_in_place, mpi_max, &
+      mpi_datatype_null, mpi_init, mpi_finalize, mpi_comm_rank, mpi_comm_size, mpi_allgatherv, mpi_allreduce, mpi_bcast
    use poinsot_core_kinds, only: i8
    use poinsot_scene_communicator, only: communicator, slice_of
    use poinsot_scene_states, only: body_states
@@ -16,8 +16,6 @@ module mpi_communicators
       procedure :: max_over_ranks
       procedure :: broadcast
    end type mpi_communicator
-
-   external :: mpi_allgatherv, mpi_allreduce, mpi_bcast
 
 contains
 

@@ -2,13 +2,14 @@
 # Tests of the app on several MPI processes: the files of a run are those of one process, to the bit. `make test-mpi`.
 # Ends with "N passed, M failed".
 #
-# environment: MPIRUN how to start processes (mpirun)
+# environment: MPIRUN how to start processes (what tools/mpi.sh found)
 set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
 work=$root/build/mpi/test
 one=$root/build/stage/bin/poinsot
 many=$root/build/mpi/poinsot
+MPIRUN=${MPIRUN:-$(cat build/mpi/starter)}
 passed=0 failed=0
 OMP_NUM_THREADS=1
 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 # of Open MPI: more ranks than cores
@@ -32,7 +33,7 @@ expect() {
 ranks() {
    n=$1
    shift
-   ${MPIRUN:-mpirun} -n "$n" "$many" "$@" --quiet --no-pictures
+   $MPIRUN -n "$n" "$many" "$@" --quiet --no-pictures
 }
 alone() { "$one" "$@" --quiet --no-pictures; }
 
@@ -93,7 +94,7 @@ failure() {
    [ $? -eq 3 ] && grep -F "$(cat said)" said-4 && [ "$(grep -c 'bodies failed' said-4)" -eq 1 ] && cmp fails/trajectory.csv fails-4/trajectory.csv
 }
 no_folder() { ranks 3 run mixed.nml --out /dev/null/folder; [ $? -ne 0 ]; }
-speaks_once() { [ "$(${MPIRUN:-mpirun} -n 3 "$many" methods | wc -l)" -eq "$("$one" methods | wc -l)" ]; }
+speaks_once() { [ "$($MPIRUN -n 3 "$many" methods | wc -l)" -eq "$("$one" methods | wc -l)" ]; }
 
 expect "alone" alone run mixed.nml --out mixed
 for n in 1 2 3 4; do expect "same-bits-$n" same_bits $n; done

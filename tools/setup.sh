@@ -64,6 +64,14 @@ cmake_works() {
       NR == 1 { exit !(number($3) >= number(want)) }'
 }
 lapack_works() { links lapack "-llapack -lblas"; }
+# As far as it can be told by a look: tools/mpi.sh tries the pairs of compiler and starter.
+mpi_works() {
+   printf 'use mpi_f08\ncall mpi_init()\nend\n' >"$scratch/mpi.f90"
+   for it in ${MPIFC:-mpifort mpifort.mpich mpifort.openmpi}; do
+      have "$it" && "$it" "$scratch/mpi.f90" -o "$scratch/mpi" >/dev/null 2>&1 && return
+   done
+   return 1
+}
 pip_works() { have "$PYTHON" && "$PYTHON" -m pip --version >/dev/null 2>&1; }
 
 printf 'end\n' >"$scratch/plain.f90"
@@ -166,7 +174,7 @@ system_needs() {
    fi
    case " $* " in *" lint "* | *" docs "*) pip_works || needs="$needs pip" ;; esac
    case " $* " in *" demo "*) [ "${PICTURES:-yes}" = no ] || have gnuplot || needs="$needs gnuplot" ;; esac
-   case " $* " in *" mpi "*) { have "${MPIFC:-mpifort}" && have mpirun; } || needs="$needs mpi" ;; esac
+   case " $* " in *" mpi "*) mpi_works || needs="$needs mpi" ;; esac
    [ -n "$needs" ] || return 0
    needs=$(printf '%s\n' $needs | sort -u)
    install $needs

@@ -4,9 +4,9 @@ module poinsot_core_version
    private
    public :: version_number, version_text
 
-   integer, parameter :: major = 0, minor = 1, patch = 0
+   integer, parameter :: major = 0, minor = 2, patch = 0
    !> As poinsot_version() answers.
    integer, parameter :: version_number = 10000*major + 100*minor + patch
    !> The same, as people write it.
-   character(*), parameter :: version_text = "0.1.0"
+   character(*), parameter :: version_text = "0.2.0"
 end module poinsot_core_version

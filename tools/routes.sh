@@ -1,0 +1,145 @@
+#!/bin/sh
+# The routes to the library, each from a consumer outside the tree: builds, installs, links, runs. A route whose tools are missing is
+# skipped and named. Ends with "N passed, M failed, K skipped"; exit code 1 on a failure, else 77 if one was skipped.
+#
+# usage: tools/routes.sh [ROUTE...]      all of: cmake fetch-c fetch-fortran fpm meson read-only gfortran-11 levels mpich openmpi
+#                                        aarch64 wheel
+# environment: FC, CC
+set -u
+cd "$(dirname "$0")/.." || exit 1
+root=$PWD
+out=$PWD/build/routes
+mkdir -p "$out"
+passed=0 failed=0 skipped=0
+OMP_NUM_THREADS=2
+export OMP_NUM_THREADS
+have() { for it in "$@"; do command -v "$it" >/dev/null 2>&1 || return 1; done; }
+skip() { why=$*; return 77; }
+
+generator() { if have ninja; then echo -G Ninja; fi; }
+# configured FOLDER SOURCE OPTION...: configure, build
+configured() {
+   folder=$1 source=$2
+   shift 2
+   # shellcheck disable=SC2046
+   cmake $(generator) -S "$source" -B "$folder" "$@" && cmake --build "$folder" --parallel 2
+}
+library_only="-DPOINSOT_TESTS=OFF -DPOINSOT_EXAMPLES=OFF"
+
+# The library by CMake alone, installed, moved, and found from C (without a Fortran compiler) and from Fortran.
+route_cmake() {
+   have cmake || { skip "no cmake"; return; }
+   rm -rf "$out/cmake-installed" "$out/cmake-moved" "$out"/find-*
+   # shellcheck disable=SC2086
+   configured "$out/cmake" . $library_only -DPOINSOT_APP=OFF && cmake --install "$out/cmake" --prefix "$out/cmake-installed" &&
+      test/exports.sh "$out/cmake/libpoinsot.so" "$out/cmake/libpoinsot.a" && mv "$out/cmake-installed" "$out/cmake-moved" &&
+      configured "$out/find-c" test/consumer "-DCMAKE_PREFIX_PATH=$out/cmake-moved" -DCMAKE_Fortran_COMPILER=/nowhere &&
+      configured "$out/find-fortran" test/consumer/find_fortran "-DCMAKE_PREFIX_PATH=$out/cmake-moved" &&
+      "$out/find-c/with_poinsot" && "$out/find-c/with_static" && "$out/find-fortran/with_poinsot" && "$out/find-fortran/with_static" &&
+      ! cmake -S test/consumer -B "$out/find-nonsense" "-DCMAKE_PREFIX_PATH=$out/cmake-moved" -DWITH=nonsense
+}
+fetched() {
+   have cmake || { skip "no cmake"; return; }
+   configured "$out/fetch-$1" "test/consumer/fetch_$1" "-DPOINSOT_SOURCE=$root" && "$out/fetch-$1/with_poinsot" && "$out/fetch-$1/with_static"
+}
+route_fetch_c() { fetched c; }
+route_fetch_fortran() { fetched fortran; }
+
+route_fpm() {
+   fpm=build/tools/bin/fpm
+   [ -x $fpm ] || fpm=fpm
+   have $fpm || { skip "no fpm"; return; }
+   case $fpm in */*) fpm=$root/$fpm ;; esac
+   rm -rf "$out/fpm/app"
+   mkdir -p "$out/fpm" && cp -R test/consumer/by_fpm/app "$out/fpm" && sed "s|@SOURCE@|../../..|" test/consumer/by_fpm/fpm.toml.in >"$out/fpm/fpm.toml" &&
+      (cd "$out/fpm" && "$fpm" run --profile release)
+}
+
+route_meson() {
+   have cmake meson pkg-config || { skip "no cmake, meson or pkg-config"; return; }
+   [ -d "$out/cmake-moved" ] || route_cmake || return
+   rm -rf "$out/meson" "$out/meson-source"
+   mkdir -p "$out/meson-source" && cp test/consumer/consumer.c test/consumer/meson.build "$out/meson-source" &&
+      PKG_CONFIG_PATH=$(echo "$out"/cmake-moved/lib*/pkgconfig) meson setup "$out/meson" "$out/meson-source" && meson compile -C "$out/meson" &&
+      LD_LIBRARY_PATH=$(echo "$out"/cmake-moved/lib*) "$out/meson/consumer"
+}
+
+# Sources that nobody may write to, from a folder elsewhere, as a user of no rights where that can be had.
+route_read_only() {
+   have cmake git || { skip "no cmake or git"; return; }
+   rm -rf "$out/source" "$out/elsewhere"
+   mkdir -p "$out/source" && git archive HEAD | tar -x -C "$out/source" && chmod -R a-w "$out/source" &&
+      (cd "$out/source" && find . | sort >"$out/before" && make SETUP=no BUILD="$out/elsewhere" build && find . | sort | cmp - "$out/before") &&
+      "$out/elsewhere/stage/bin/poinsot" --version
+   result=$?
+   chmod -R u+w "$out/source"
+   return $result
+}
+
+route_gfortran_11() {
+   have cmake gfortran-11 || { skip "no gfortran-11"; return; }
+   configured "$out/gfortran-11" . -DCMAKE_Fortran_COMPILER=gfortran-11 -DPOINSOT_EXAMPLES=OFF && (cd "$out/gfortran-11/run" && ../check core && ../check free)
+}
+
+# One installation: what the loader takes on an old, a newer and a new processor, for library and app.
+route_levels() {
+   have cmake || { skip "no cmake"; return; }
+   [ "$(uname -sm)" = "Linux x86_64" ] || { skip "for Linux on x86_64"; return; }
+   have qemu-x86_64 || { skip "no qemu-x86_64"; return; }
+   # shellcheck disable=SC2086
+   configured "$out/levels" . $library_only -DPOINSOT_TARGET=levels && rm -rf "$out/levels-installed" &&
+      cmake --install "$out/levels" --prefix "$out/levels-installed" || return 1
+   app=$out/levels-installed/bin/poinsot
+   [ "$(qemu-x86_64 -cpu Nehalem "$app" --version | sed -n 's/^level: *//p')" = x86-64 ] &&
+      [ "$(qemu-x86_64 -cpu Haswell "$app" --version | sed -n 's/^level: *//p')" = x86-64-v3 ] || return 1
+   lib=$(echo "$out"/levels-installed/lib*)
+   "${CC:-cc}" test/consumer/consumer.c -I"$out/levels-installed/include" -L"$lib" -lpoinsot -lm -Wl,-rpath,"$lib" -o "$out/levels.consumer" &&
+      qemu-x86_64 -cpu Nehalem "$out/levels.consumer" && qemu-x86_64 -cpu Haswell "$out/levels.consumer" && "$out/levels.consumer"
+}
+
+mpi_with() {
+   have "mpifort.$1" "mpirun.$1" || { skip "no mpifort.$1 or mpirun.$1"; return; }
+   [ -f build/stage/lib/libpoinsot.a ] || make build || return 1
+   MPIFC=mpifort.$1 MPIRUN=mpirun.$1 tools/mpi.sh && MPIRUN=mpirun.$1 test/mpi.sh
+}
+route_mpich() { mpi_with mpich; }
+route_openmpi() { mpi_with openmpi; }
+
+# Compiled for another kind of processor; linked without LAPACK of that kind, which is not asked for here.
+route_aarch64() {
+   have cmake aarch64-linux-gnu-gfortran aarch64-linux-gnu-gcc || { skip "no aarch64-linux-gnu-gfortran"; return; }
+   # shellcheck disable=SC2086
+   configured "$out/aarch64" . $library_only -DPOINSOT_APP=OFF -DPOINSOT_SHARED=OFF -DPOINSOT_TARGET=portable \
+      -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 -DCMAKE_C_COMPILER=aarch64-linux-gnu-gcc \
+      -DCMAKE_Fortran_COMPILER=aarch64-linux-gnu-gfortran -DLAPACK_LIBRARIES=lapack -DBLAS_LIBRARIES=blas &&
+      aarch64-linux-gnu-nm "$out/aarch64/libpoinsot.a" | grep -q ' T poinsot_rotate$'
+}
+
+route_wheel() {
+   [ -f pyproject.toml ] || { skip "no pyproject.toml"; return; }
+   python=${PYTHON:-python3}
+   rm -rf "$out/venv"
+   "$python" -m venv "$out/venv" >/dev/null 2>&1 || { skip "no module venv of $python"; return; }
+   "$out/venv/bin/pip" download --no-deps -q -d "$out/probe" scikit-build-core >/dev/null 2>&1 || { skip "PyPI does not answer"; return; }
+   "$out/venv/bin/pip" install -q . && (cd "$out" && "$out/venv/bin/python" -c "
+import numpy, poinsot
+y, q = poinsot.Body([0.376, 0.627, 1.0]).rotate(numpy.array([0.0, 0.6, -0.8]), numpy.array([1.0, 0, 0, 0]), 40.0)
+assert abs(y.ravel()[0] - 0.0545936805170046) < 1e-13")
+}
+
+for route in ${*:-cmake fetch-c fetch-fortran fpm meson read-only gfortran-11 levels mpich openmpi aarch64 wheel}; do
+   begun=$(date +%s) why=
+   route_"$(echo "$route" | tr - _)" >"$out/$route.log" 2>&1
+   case $? in
+   0) echo "       ... $route [PASSED] $(($(date +%s) - begun)) s"
+      passed=$((passed + 1)) ;;
+   77) echo "       ... $route [SKIPPED] $why"
+      skipped=$((skipped + 1)) ;;
+   *) echo "       ... $route [FAILED] see build/routes/$route.log"
+      tail -n 15 "$out/$route.log" | sed 's/^/  /'
+      failed=$((failed + 1)) ;;
+   esac
+done
+echo "$passed passed, $failed failed, $skipped skipped"
+[ $failed = 0 ] || exit 1
+[ $skipped = 0 ] || exit 77
