@@ -7,6 +7,7 @@ module test_free_lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_step
    use poinsot_body_class, only: body_class, extend_class
    use poinsot_free_exact_lanes, only: lane_constants, make_lane_constants, advance_each
+   use poinsot_free_limits, only: reject_speed_each
    use poinsot_free_method, only: free_method, advance, advance_lanes
    use test_bodies, only: random_stream, random_body, start_stream, uniform, hard_body, &
       body_kinds, generic_moments
@@ -318,6 +319,21 @@ contains
          call within(error, norm2(q(l, :)) - 1, 1e-15_dp, "|q|")
          call expect(error, bad(l) .or. any(abs(q(l, :) - q0(l, :)) > 1e-3_dp), "stands still")
       end do
+      ! momenta that no body may have: too fast, and none
+      do l = 1, lanes
+         y(l, :) = 0
+         if (.not. bad(l)) y(l, :) = y0(l, :)*maxval(m(l, :))
+      end do
+      y(6, 1) = 0
+      y(7, 2) = 1e80_dp*m(7, 2)
+      y(9, 1) = nan
+      status = poinsot_ok
+      where (bad) status = poinsot_e_domain
+      call reject_speed_each(m, y, status, groups)
+      call expect(error, status(7) == poinsot_e_domain .and. status(9) == poinsot_e_domain &
+         .and. all(abs(y([7, 9], :)) <= 0), "a speed beyond 1e70, a momentum that is no number")
+      call expect(error, count(status == poinsot_ok) == lanes - count(bad) - 2, "others refused")
+      y = y0
       ! a step that no double holds
       h = 1e300_dp
       status = poinsot_ok

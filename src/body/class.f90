@@ -19,7 +19,7 @@ module poinsot_body_class
    implicit none(type, external)
    private
    public :: body_class, make_class, extend_class, needs_more, long_series
-   public :: series_levels, longest_step, highest_degree
+   public :: series_levels, longest_step, highest_degree, fastest
 
    integer, parameter :: series_levels = 2              !! lengths of series the exact step offers
    integer, parameter :: highest_degree = 11    !! of P and R that a method can ask for: order 24

@@ -155,7 +155,8 @@ contains
       do l = 1, group*nvec
          hs(l) = h(l)
          failed = ior(failed, status(l))
-         by = max(by, transfer(abs(y(l, 1)) + (abs(y(l, 2)) + abs(y(l, 3))), by))
+         by = max(by, transfer(abs(y(l, 1)), by), transfer(abs(y(l, 2)), by), &
+                  transfer(abs(y(l, 3)), by))
          bi = max(bi, transfer(c%largest_inverse(l), bi))
          bh = max(bh, transfer(abs(h(l)), bh))
       end do

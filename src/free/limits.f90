@@ -1,11 +1,11 @@
 !> What no body may exceed, so that no square of a kernel overflows.
 module poinsot_free_limits
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
-   use poinsot_body_class, only: body_class
+   use poinsot_body_class, only: body_class, fastest
    implicit none(type, external)
    private
-   public :: reject_speed, reject_torque
+   public :: reject_speed, reject_speed_each, reject_torque
 
 contains
 
@@ -31,6 +31,30 @@ contains
          y(l, :) = 0
       end do
    end subroutine reject_speed
+
+   !> The same for bodies that all differ.
+   pure subroutine reject_speed_each(moments, y, status, nvec)
+      real(dp), intent(in) :: moments(lanes, 3) !! caller's, same axes as y; finite and not negative
+                                                !! where status is POINSOT_OK
+      real(dp), intent(inout) :: y(lanes, 3)
+      integer, intent(inout) :: status(lanes)
+      integer, intent(in) :: nvec               !! groups of lanes to look at
+      real(dp) :: limit
+      integer :: j, l
+      logical :: beyond
+      do l = 1, group*nvec
+         beyond = status(l) /= poinsot_ok
+         do j = 1, 3
+            if (beyond) exit
+            limit = 1e270_dp
+            if (moments(l, j) > 0) limit = fastest*min(moments(l, j), 1e200_dp)
+            beyond = magnitude(y(l, j)) > magnitude(limit)
+         end do
+         if (.not. beyond) cycle
+         if (status(l) == poinsot_ok) status(l) = poinsot_e_domain
+         y(l, :) = 0
+      end do
+   end subroutine reject_speed_each
 
    !> Lanes whose torque a force gradient cannot square, g g/I beyond 1e300, or is no number, get
    !> POINSOT_E_DOMAIN and no torque.
