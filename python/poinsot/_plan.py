@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arrays import InPlace, read, same_length, state, written
+from ._arrays import InPlace, read, state, written
 from ._library import Bodies, Error, Status, TorqueFunction, check, check_bodies, library, sentence, status_text
 from ._text import settings_text
 from ._torque import Callback, Interrupts, Torque
@@ -73,11 +73,17 @@ class Plan:
     all by keyword:
 
     body_class : integers, shape (n,)
-        The class of each body; without it, all are of class 0.
+        The class of each body; without it, all are of class 0. Bodies of a negative class are skipped.
     id : integers, shape (n,)
         Numbers of the random streams; without it, the position.
     carry : numpy.ndarray of float64, shape (n, 7)
         Compensated sums, zero at the start, kept by the caller from call to call.
+    scale : numbers, shape (n,)
+        Moments of each body over those of its class.
+    moments : numbers, shape (n, 3)
+        Or moments of its own for each body.
+    y_at, q_at : integers, shape (n,)
+        The rows of y and of q that belong to each body; without them, body i is row i. All else goes by bodies.
     status : numpy.ndarray of int32, shape (n,)
         Receives the status of each body; bodies that fail then raise no exception.
     """
@@ -232,8 +238,8 @@ class Plan:
     def _open(self, y: np.ndarray, q: np.ndarray, given: dict[str, Any]) -> _View:
         """The caller's arrays as the library sees them."""
         momenta, attitudes = state(y, q, self._components)
-        n = same_length(momenta, attitudes)
-        bodies = Bodies(size=c.sizeof(Bodies), n=n, y_stride=momenta.stride, q_stride=attitudes.stride)
+        n, rows = _count(momenta, attitudes, given)
+        bodies = Bodies(size=c.sizeof(Bodies), n=n, y_stride=momenta.stride, q_stride=attitudes.stride, rows=rows)
         bodies.y[:] = [momenta.component(j) for j in range(3)]
         bodies.q[:] = [attitudes.component(j) for j in self._places]
         if self._components == 4:
@@ -255,7 +261,12 @@ class Plan:
         width, dtype, changed = _members[name]
         shape = (n, width) if width else (n,)
         array = (written if changed else read)(name, values, shape, dtype)
-        setattr(bodies, name, array.ctypes.data)
+        first = array.ctypes.data
+        if name == "moments":
+            bodies.moments[:] = [first, first + 8, first + 16]
+            bodies.moments_stride = 3
+        else:
+            setattr(bodies, name, first)
         return array
 
     def _look(self, y: ArrayLike, q: ArrayLike, given: dict[str, Any]) -> _View:
@@ -306,7 +317,23 @@ class Plan:
 
 #: Optional arrays of a view: components, type, and does the library write into it?
 _members: dict[str, tuple[int, Any, bool]] = {
-    "body_class": (0, np.int32, False), "id": (0, np.int64, False), "carry": (7, np.float64, True)}
+    "body_class": (0, np.int32, False), "id": (0, np.int64, False), "carry": (7, np.float64, True),
+    "scale": (0, np.float64, False), "moments": (3, np.float64, False), "y_at": (0, np.int32, False), "q_at": (0, np.int32, False)}
+
+
+def _count(y: InPlace, q: InPlace, given: dict[str, Any]) -> tuple[int, int]:
+    """How many bodies, and how many rows there are to choose from; 0 if no rows are chosen."""
+    lengths, rows = {}, set()
+    for name, array in (("y", y), ("q", q)):
+        chosen = given.get(name + "_at")
+        lengths[name if chosen is None else name + "_at"] = len(array) if chosen is None else len(chosen)
+        if chosen is not None:
+            rows.add(len(array))
+    if len(rows) > 1:
+        raise ValueError(f"y has {len(y)} rows and q has {len(q)}: with y_at and q_at they must have as many")
+    if len(set(lengths.values())) > 1:
+        raise ValueError(", ".join(f"{name} has {k} rows" for name, k in lengths.items()) + ": one of each for every body")
+    return next(iter(lengths.values())), max(rows, default=0)
 
 
 def _create(threads: int) -> c.c_void_p:

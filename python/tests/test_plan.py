@@ -307,3 +307,40 @@ def test_shared_by_threads(crowd):
     for worker in workers:
         worker.join()
     assert len(ends) == 4 and all((end[0] == wanted[0]).all() for end in ends)
+
+
+def test_rows_of_choice(crowd):
+    plan = top()
+    which = np.array([7, 3, 40])
+    wanted = plan.drift(crowd[0][which], crowd[1][which], 0.1)
+    y, q = (a.copy() for a in crowd)
+    plan.drift(y, q, 0.1, y_at=which, q_at=which)
+    rest = np.setdiff1d(np.arange(50), which)
+    assert (y[which] == wanted[0]).all() and (q[which] == wanted[1]).all()
+    assert (y[rest] == crowd[0][rest]).all() and (q[rest] == crowd[1][rest]).all()
+    y, q = crowd[0].copy(), crowd[1][which]
+    plan.drift(y, q, 0.1, y_at=which)
+    assert (y[which] == wanted[0]).all() and (q == wanted[1]).all()
+    with pytest.raises(poinsot.Error) as raised:
+        plan.drift(y, q, 0.1, y_at=[0, 1, 50])
+    assert raised.value.status == poinsot.Status.SIZE
+    with pytest.raises(ValueError, match="y_at has 2 rows, q has 3"):
+        plan.drift(y, q, 0.1, y_at=[0, 1])
+
+
+def test_moments_of_each_body(crowd):
+    scale = np.linspace(0.5, 2, 50)
+    wanted = [poinsot.Body(s*np.array([0.6, 0.8, 1.0])).rotate(y.copy(), q.copy(), 0.1) for s, y, q in zip(scale, *crowd)]
+    plan = top()
+    scaled = plan.drift(*(a.copy() for a in crowd), 0.1, scale=scale)
+    own = plan.drift(*(a.copy() for a in crowd), 0.1, moments=scale[:, np.newaxis]*[0.6, 0.8, 1.0])
+    for y, q in (scaled, own):
+        assert abs(y - [end[0] for end in wanted]).max() < 1e-14 and abs(q - [end[1] for end in wanted]).max() < 1e-14
+    with pytest.raises(ValueError, match="scale"):
+        plan.drift(*(a.copy() for a in crowd), 0.1, scale=scale[:3])
+
+
+def test_skipped_bodies(crowd):
+    y, q = (a.copy() for a in crowd)
+    top().drift(y, q, 0.1, body_class=np.where(np.arange(50) == 4, -1, 0))
+    assert (y[4] == crowd[0][4]).all() and (y[5] != crowd[0][5]).any()
