@@ -61,6 +61,7 @@ contains
          new_unittest("value-refusals", test_value_refusals), &
          new_unittest("override", test_override), &
          new_unittest("schedule", test_schedule), &
+         new_unittest("schedule-of-many-steps", test_many_steps), &
          new_unittest("shipped-scenes", test_shipped), &
          new_unittest("mutated-scenes", test_mutated), &
          new_unittest("csv-row", test_csv_row), &
@@ -336,6 +337,30 @@ contains
    end subroutine test_override
 
    !> Pieces meet, cover the run, and have steps no longer than h; a multiple of h is h itself.
+   !> t_end/h near 1e12 and no whole number: never a longer step than asked; whole numbers keep h.
+   subroutine test_many_steps(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      type(piece) :: part
+      call make("&scene t_end=1000000000000.5 h=1 /" // good_body, scene, failure)
+      call check(error, .not. raised(failure), "refused")
+      if (allocated(error)) return
+      part = get_piece(scene, 1_i8)
+      call check(error, part%steps == 1000000000001_i8 .and. part%h <= 1, "a longer step than asked")
+      if (allocated(error)) return
+      call check(error, abs(part%steps*part%h - part%to) <= 1e-3_dp, "steps do not end at t_end")
+      if (allocated(error)) return
+      call make("&scene t_end=1e8 h=1e-3 /" // good_body // "&output every=1 /", scene, failure)
+      part = get_piece(scene, 99999998_i8)
+      call check(error, part%steps == 1000_i8 .and. abs(part%h - 1e-3_dp) <= 0, &
+                 "h of a piece far from the start")
+      if (allocated(error)) return
+      call make("&scene t_end=0.3 h=0.1 /" // good_body, scene, failure)
+      part = get_piece(scene, 1_i8)
+      call check(error, part%steps == 3_i8 .and. abs(part%h - 0.1_dp) <= 0, "0.3 in steps of 0.1")
+   end subroutine test_many_steps
+
    subroutine test_schedule(error)
       type(error_type), allocatable, intent(out) :: error
       character(*), parameter :: texts(4) = [character(40) :: "every=0.02", "every=0.3", &

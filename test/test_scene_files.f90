@@ -345,6 +345,7 @@ contains
       call holds("  class 2             1.0, 0.6, 0.8  (asymmetric)")
       call holds("  class 3  axis 1     0.70710678")
       call holds("  class 3  axis 3     0.0, 0.0, 1.0")
+      call holds("threads               1" // nl)
       call holds("files                 summary.txt / trajectory.csv" // nl)
       call run_text("&scene t_end=1 h=0.3 /" // body // "&output times=0.5,0.9 /", "told", failure)
       call get_text(output // "told/summary.txt", text)
@@ -355,6 +356,14 @@ contains
       call run_text("&scene t_end=1 /" // body, "told", failure)
       call get_text(output // "told/summary.txt", text)
       call holds("step h                1.0, from output to output" // nl)
+      call run_text("&scene t_end=1 h=0.1 /" // body // "&torque times=0,0.3,0.55 table=9*0 /", "told", &
+                    failure)
+      call get_text(output // "told/summary.txt", text)
+      call holds("order at knots        2: the table of &torque has a knot at t = 0.55, within a step")
+      call run_text("&scene t_end=1 h=0.1 /" // body // "&torque times=0,0.3,0.7 table=9*0 /" // &
+                    "&output every=0.05 /", "told", failure)
+      call get_text(output // "told/summary.txt", text)
+      call expect(error, index(text, "order at knots") == 0, "a knot at the end of a step is told")
    contains
       subroutine holds(words)
          character(*), intent(in) :: words
@@ -489,12 +498,22 @@ contains
       call taken("moments=0.604636,1.160852,1.817004 physical=F /")
       call taken("tensor=0.604636,0,0,0,1.160852,0,0,0,1.817004 physical=f /&bodies moments=1,1,1 /")
       call none("moments=0.604636,1.160852,1.817004 physical=F /&bodies moments=1,1,3 /", "I3 exceeds")
+      ! noise on processed momenta is another temperature's
+      call taken("moments=1,1.2,1.5 /&langevin friction=1, temperature=1 /&gravity centre=0,0,1 /")
+      call none("moments=1,1.2,1.5 /&langevin friction=1, temperature=1 /&gravity centre=0,0,1 /", &
+                "of 'langevin' would heat them", "splitting='takahashi-imada'")
    contains
-      subroutine build(text, failure)
+      subroutine build(text, failure, more)
          character(*), intent(in) :: text
          type(poinsot_error), intent(inout) :: failure
+         character(*), intent(in), optional :: more
          type(scene_source) :: source
-         call scan_source(first // text, "test.nml", source, failure)
+         if (present(more)) then
+            call scan_source("&scene t_end=1 h=0.1 " // more // "/&bodies " // text, "test.nml", source, &
+                             failure)
+         else
+            call scan_source(first // text, "test.nml", source, failure)
+         end if
          if (.not. raised(failure)) call build_scene(source, scene, failure)
          if (.not. raised(failure)) call check_scene(scene, failure)
       end subroutine build
@@ -506,10 +525,11 @@ contains
          call accepted(error, failure)
       end subroutine taken
 
-      subroutine none(text, words)
+      subroutine none(text, words, more)
          character(*), intent(in) :: text, words
+         character(*), intent(in), optional :: more
          type(poinsot_error) :: failure
-         call build(text, failure)
+         call build(text, failure, more)
          call expect(error, raised(failure), text // " is taken")
          if (allocated(error)) return
          call refused(error, failure, failure%code, words)

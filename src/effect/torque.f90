@@ -45,7 +45,7 @@ contains
                   "W of a harmonic torque"), &
                   number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
                   number_key("times", 1, -1, "", "time", &
-                  "times of a table, increasing; constant beyond both ends"), &
+                  "increasing; constant beyond both ends; a knot within a step: order 2"), &
                   number_key("table", 3, -1, "", "torque", "three numbers for each time", &
                   body_vector, "frame"), &
                   text_key("file", "", "", "scene only: file with lines of t, three torques")])

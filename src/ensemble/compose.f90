@@ -2,7 +2,7 @@
 module poinsot_ensemble_compose
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_size
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_memory, poinsot_e_size
    use poinsot_body_class, only: extend_class
    use poinsot_effect_effect, only: effect, effect_item, flow_effect, pair_effect
    use poinsot_effect_frame, only: depends_on_frame, turn_settings, turn_class_vectors, &
@@ -54,6 +54,12 @@ contains
          class is (flow_effect)
             plan%has_dissipation = .true.
          end select
+         if (plan%effects(i)%it%name == "langevin" .and. size(plan%splitting%enter) > 0) then
+            call raise(error, poinsot_e_method, "splitting '"//trim(plan%splitting%name)// &
+                       "' works on processed momenta, and the noise of 'langevin' would heat them to "// &
+                       "another temperature; take one without a processor, 'strang' or 'srkn6'")
+            return
+         end if
          if (plan%effects(i)%it%class_index > size(plan%classes)) then
             call raise(error, poinsot_e_domain, "effect '"//trim(plan%effects(i)%it%name)// &
                        "' acts on a body class that the plan does not have")

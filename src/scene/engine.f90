@@ -6,6 +6,7 @@ module poinsot_scene_engine
    use poinsot_core_status, only: poinsot_ok, poinsot_e_partial, status_text
    use poinsot_effect_effect, only: effect
    use poinsot_ensemble_bodies, only: body_view, view_rows
+   use poinsot_ensemble_chunk, only: chunk_count, chunk_length
    use poinsot_ensemble_compose, only: make_ready
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option, add_effect, add_ready_effect
    use poinsot_ensemble_step, only: step_bodies
@@ -14,9 +15,10 @@ module poinsot_scene_engine
    use poinsot_scene_settings, only: scene_settings, effect_setting
    use poinsot_scene_states, only: body_states
    use poinsot_scene_communicator, only: communicator, slice_of
+   !$ use omp_lib, only: omp_get_max_threads
    implicit none(type, external)
    private
-   public :: engine, start_engine, engine_step, engine_energy, couples_bodies
+   public :: engine, start_engine, engine_step, engine_energy, couples_bodies, threads_used
 
    !> What does not change during a run.
    type :: engine
@@ -77,6 +79,18 @@ contains
          call add_effect(plan, item%name, item%settings, error)
       end if
    end subroutine add_to_plan
+
+   !> Threads that step the bodies: as many as the scene or OpenMP says, but one for each chunk of
+   !> bodies at most.
+   integer function threads_used(this, states)
+      type(engine), intent(in) :: this
+      type(body_states), intent(in), target :: states
+      type(body_view) :: view
+      threads_used = 1
+      !$ threads_used = merge(this%plan%threads, omp_get_max_threads(), this%plan%threads > 0)
+      call look(states, view, 1, states%n)
+      threads_used = max(1, min(threads_used, chunk_count(states%n, chunk_length(view, threads_used))))
+   end function threads_used
 
    !> Does a body's motion depend on the others'?
    pure logical function couples_bodies(this)

@@ -7,9 +7,10 @@ module poinsot_scene_run
       poinsot_e_partial, poinsot_e_scene, poinsot_e_io
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
-   use poinsot_scene_schedule, only: piece, piece_count, get_piece
+   use poinsot_scene_schedule, only: piece, piece_count, get_piece, whole_steps
    use poinsot_scene_states, only: body_states, first_states
-   use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy, couples_bodies
+   use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy, couples_bodies, &
+      threads_used
    use poinsot_scene_communicator, only: communicator
    use poinsot_scene_drift, only: start_drift, follow_drift
    use poinsot_scene_files, only: make_folder, file_exists
@@ -28,7 +29,6 @@ module poinsot_scene_run
    real(dp), parameter :: first_chunk = 1e5_dp  !! body-steps before the first look at the watch
    real(dp), parameter :: short = 0.05_dp, long = 0.4_dp !! seconds between two looks
    integer(i8), parameter :: processed_chunk = 64 !! at least: its processor costs some steps
-   real(dp), parameter :: near = 1e-12_dp
 
    !> Everything a run holds.
    type :: run_state
@@ -173,6 +173,7 @@ contains
       end if
       call first_states(scene, run%states, error)
       if (.not. raised(error)) call start_engine(scene, run%engine, error)
+      if (.not. raised(error)) report%threads = threads_used(run%engine, run%states)
       if (.not. raised(error)) call check_inputs(scene, out, error)
       if (.not. raised(error)) call continue_from(scene, run, report, error)
       if (raised(error)) return
@@ -287,7 +288,7 @@ contains
       done = nint((t - part%from)/part%h, i8)
       if (abs(time_in(part, done) - t) <= 0) return
       done = 0
-      part%steps = max(1_i8, ceiling((part%to - t)/part%h*(1 - near), i8))
+      part%steps = whole_steps(t, part%to, part%h)
       part%from = t
       part%h = (part%to - t)/real(part%steps, dp)
    end subroutine enter_piece

@@ -6,10 +6,10 @@ module poinsot_scene_schedule
    use poinsot_scene_settings, only: scene_settings
    implicit none(type, external)
    private
-   public :: piece, piece_count, get_piece, step_total, output_count
+   public :: piece, piece_count, get_piece, whole_steps, knot_within_step, step_total, output_count
 
-   real(dp), parameter :: near = 1e-10_dp !! two times or lengths this near, relatively, are the
-                                          !! same
+   real(dp), parameter :: near = 1e-10_dp !! an output this near t_end, relative to `every`, is there
+   real(dp), parameter :: rounding = 8*epsilon(1.0_dp) !! of the times of a piece
 
    !> From one output (or the start) to the next (or the end).
    type :: piece
@@ -49,13 +49,68 @@ contains
       part%steps = 1
       part%h = part%to - part%from
       if (scene%h <= 0 .or. part%h <= scene%h) then
-         if (abs(part%h - scene%h) <= near*scene%h) part%h = scene%h
+         if (abs(part%h - scene%h) <= rounding*part%to) part%h = scene%h
          return
       end if
-      part%steps = ceiling(part%h/scene%h*(1 - near), i8)
+      part%steps = whole_steps(part%from, part%to, scene%h)
       part%h = part%h/real(part%steps, dp)
-      if (abs(part%h - scene%h) <= near*scene%h) part%h = scene%h
+      if (abs(part%h - scene%h)*part%steps <= rounding*part%to) part%h = scene%h
    end function get_piece
+
+   !> How many steps no longer than h from one time to another. Of two times only rounding may make a
+   !> step longer than h, never a part of a step shared out among the others.
+   pure integer(i8) function whole_steps(from, to, h)
+      real(dp), intent(in) :: from, to !! times, from < to
+      real(dp), intent(in) :: h        !! positive
+      real(dp) :: wished
+      wished = (to - from)/h
+      whole_steps = max(1_i8, ceiling(wished - min(rounding*(to/h), 0.01_dp), i8))
+   end function whole_steps
+
+   !> The first knot of a table of torques that lies within a step: there a scheme has order 2, whatever
+   !> its own. Negative if all knots are ends of steps, or beyond the run.
+   pure real(dp) function knot_within_step(scene) result(knot)
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      integer :: i, k, j
+      knot = -1
+      do i = 1, size(scene%effects)
+         if (scene%effects(i)%name /= "torque") cycle
+         do k = 1, size(scene%effects(i)%settings)
+            if (scene%effects(i)%settings(k)%key /= "times") cycle
+            associate (times => scene%effects(i)%settings(k)%values)
+               do j = 1, size(times)
+                  if (.not. is_within_step(scene, times(j))) cycle
+                  if (knot < 0 .or. times(j) < knot) knot = times(j)
+                  exit
+               end do
+            end associate
+         end do
+      end do
+   end function knot_within_step
+
+   !> Does a time lie between two steps?
+   pure logical function is_within_step(scene, t)
+      type(scene_settings), intent(in) :: scene
+      real(dp), intent(in) :: t
+      type(piece) :: part
+      integer(i8) :: low, high, middle
+      real(dp) :: steps
+      is_within_step = .false.
+      if (t <= 0 .or. t >= scene%t_end) return
+      low = 1
+      high = piece_count(scene)
+      do while (low < high)
+         middle = low + (high - low)/2
+         if (border(scene, middle) < t) then
+            low = middle + 1
+         else
+            high = middle
+         end if
+      end do
+      part = get_piece(scene, low)
+      steps = (t - part%from)/part%h
+      is_within_step = abs(steps - anint(steps)) > 1e-9_dp + rounding*(t/part%h)
+   end function is_within_step
 
    !> Time at the end of the k-th piece; 0 for k = 0.
    pure real(dp) function border(scene, k)

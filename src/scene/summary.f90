@@ -7,6 +7,7 @@ module poinsot_scene_summary
    use poinsot_scene_text, only: text_of
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_folder, only: file_name, run_files, files_row, file_separator
+   use poinsot_scene_schedule, only: knot_within_step
    use poinsot_scene_settings, only: scene_settings, body_total
    use poinsot_scene_drift, only: drift_watch
    use poinsot_scene_states, only: body_states, to_scene_frame
@@ -84,6 +85,10 @@ contains
       call row(file, "effects", effects, error)
       call row(file, "method", report%method, error)
       if (size(scene%effects) > 0) call row(file, "splitting", report%splitting, error)
+      if (knot_within_step(scene) >= 0) then
+         call row(file, "order at knots", "2: the table of &torque has a knot at t = " // &
+                  text_of(knot_within_step(scene)) // ", within a step; let steps end there", error)
+      end if
       if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
       call row(file, "seed", text_of(scene%seed), error)
       if (len(scene%from) > 0) call row(file, "continued from", scene%from, error)

@@ -67,7 +67,8 @@ contains
       numbers = [p%angle, p%momentum, p%energy, p%slope, p%ns, p%ns_least, p%ns_spread, p%single, &
                  p%single_spread, real(p%repeats, dp), p%ns/p%h, p%single/p%h]
       do i = 1, size(numbers)
-         line = line // "," // short_text(numbers(i))
+         line = line // ","
+         if (p%good) line = line // short_text(numbers(i)) ! of a failed run nothing is known
       end do
       line = line // "," // flag(p%good) // "," // flag(p%front(of_angle)) // "," // &
              flag(p%front(of_momentum))
