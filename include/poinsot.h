@@ -116,12 +116,112 @@ void poinsot_body_destroy(poinsot_body **body);
 poinsot_status poinsot_rotate(const poinsot_body *body, const char *method, double h, size_t steps,
                               size_t n, double y[], double q[], poinsot_status per_body[]);
 
-/* ---- Jacobi's elliptic functions ----------------------------------------------------------------------------------- */
+/* ---- inertia ------------------------------------------------------------------------------------------------------- */
 
-/* sn, cn, dn of n arguments u (|u| <= 1e15) with parameter m = k^2 in [0, 1]. m1 = 1 - m, for those who know it better than
- * 1 - m; may be NULL. An element out of its domain gives NaN and the call POINSOT_E_DOMAIN, the others are right. */
+/* The status that poinsot_body_create, poinsot_body_create_tensor would give, and the reason as a sentence: which number, by how
+ * much it is off, what is allowed; "" if it is POINSOT_OK. At most capacity bytes are written, the last a zero; buffer may be
+ * NULL. */
+poinsot_status poinsot_moments_check(const double moments[3], char *buffer, size_t capacity);
+poinsot_status poinsot_inertia_check(const double inertia[9], char *buffer, size_t capacity);
+
+/* Centre of mass of n point masses, x: [n][3], and their inertia tensor about it: sum of m (|r|^2 - r r^T), r = x - centre, so the
+ * entries off the diagonal are -sum of m r_i r_j. Masses are zero or positive, not all zero. n = 0: POINSOT_E_SIZE. */
+poinsot_status poinsot_inertia_of_points(size_t n, const double mass[], const double x[], double centre[3], double tensor[9]);
+
+/* Principal moments, ascending, and axes of a tensor (row-major, with -sum of m r_i r_j off the diagonal; a program that has
+ * +sum there changes their signs): tensor = axes diag(moments) axes^T, the columns of axes (row-major) right-handed, the largest
+ * component of the first two positive. Equal moments: axes as near to those given as can be. Takes what
+ * poinsot_body_create_tensor takes; tensor and axes may be one array. */
+poinsot_status poinsot_principal_axes(const double tensor[9], double moments[3], double axes[9]);
+
+/* ---- functions on arrays: rules -------------------------------------------------------------------------------------- *
+ * n elements or rows, outputs last. A result may stand in the place of an argument of the same shape. An element without an answer
+ * (an argument that is not finite or out of its domain, a result out of range) gives NaN and the call POINSOT_E_DOMAIN; the
+ * others are right, and the same wherever they stand. n = 0: nothing is read, POINSOT_OK. */
+
+/* ---- elliptic functions and integrals ------------------------------------------------------------------------------ *
+ * m = k^2 in [0, 1]. m1 = 1 - m, for those who know it better than 1 - m (near m = 1); may be NULL. nu stands in
+ * 1 - nu sin^2; of integrals through a pole (nu sin^2 = 1) there is no principal value: POINSOT_E_DOMAIN. Within a few units in the
+ * last place. While the thread does not round to nearest, all of jacobi and jacobi_am is POINSOT_E_DOMAIN. */
+
+/* sn, cn, dn and am of u, |u| <= 1e15; to 1e-15 for |u| <= 1e6, beyond as well as u is known. */
 poinsot_status poinsot_jacobi(size_t n, const double u[], const double m[], const double m1[],
                               double sn[], double cn[], double dn[]);
+poinsot_status poinsot_jacobi_am(size_t n, const double u[], const double m[], const double m1[], double am[]);
+
+/* Complete integrals K(m), m < 1; E(m); Pi(nu, m), nu < 1, m < 1. */
+poinsot_status poinsot_elliptic_k(size_t n, const double m[], const double m1[], double k[]);
+poinsot_status poinsot_elliptic_e(size_t n, const double m[], const double m1[], double e[]);
+poinsot_status poinsot_elliptic_pi(size_t n, const double nu[], const double m[], const double m1[], double p[]);
+
+/* Incomplete ones F(phi, m), E(phi, m), Pi(nu; phi, m), |phi| <= 1e15; m = 1 (not E) or nu >= 1 up to a quarter turn only. */
+poinsot_status poinsot_elliptic_f(size_t n, const double phi[], const double m[], const double m1[], double f[]);
+poinsot_status poinsot_elliptic_e_incomplete(size_t n, const double phi[], const double m[], const double m1[], double e[]);
+poinsot_status poinsot_elliptic_pi_incomplete(size_t n, const double nu[], const double phi[], const double m[], const double m1[],
+                                              double p[]);
+
+/* Carlson's R_F(x, y, z), R_C(x, y), R_D(x, y, z), R_J(x, y, z, p): x, y, z >= 0, at most one of them 0; z > 0 of R_D. y of R_C and
+ * p of R_J not 0; where they are negative: the principal value. */
+poinsot_status poinsot_carlson_rf(size_t n, const double x[], const double y[], const double z[], double r[]);
+poinsot_status poinsot_carlson_rc(size_t n, const double x[], const double y[], double r[]);
+poinsot_status poinsot_carlson_rd(size_t n, const double x[], const double y[], const double z[], double r[]);
+poinsot_status poinsot_carlson_rj(size_t n, const double x[], const double y[], const double z[], const double p[], double r[]);
+
+/* ---- quaternions --------------------------------------------------------------------------------------------------- *
+ * Rows [n][4], scalar first, Hamilton's product. A unit quaternion is an attitude, body -> space; q and -q are the same. Where an
+ * attitude is read it must be of unit norm to 1e-6. Results that are attitudes are of unit norm. Vectors [n][3], angles in
+ * radians, matrices [n][9], row-major, columns the body axes in space. */
+
+/* r = p o q (as rotations: first q, then p), r = conjugate of q, 1/q, q/|q|; zero has none of the last two. */
+poinsot_status poinsot_quaternion_multiply(size_t n, const double p[], const double q[], double r[]);
+poinsot_status poinsot_quaternion_conjugate(size_t n, const double q[], double r[]);
+poinsot_status poinsot_quaternion_inverse(size_t n, const double q[], double r[]);
+poinsot_status poinsot_quaternion_normalize(size_t n, const double q[], double r[]);
+
+/* exp and log of quaternions, of any norm: exp((0, v)) turns by 2 |v| about v. log is the principal one, the length of its vector
+ * part at most pi; of a negative real number along the first axis. q[0] of exp: at most 709.78. */
+poinsot_status poinsot_quaternion_exp(size_t n, const double q[], double r[]);
+poinsot_status poinsot_quaternion_log(size_t n, const double q[], double r[]);
+
+/* w = Q v, body to space, and w = Q^T v, space to body. */
+poinsot_status poinsot_quaternion_rotate(size_t n, const double q[], const double v[], double w[]);
+poinsot_status poinsot_quaternion_rotate_back(size_t n, const double q[], const double v[], double w[]);
+
+/* Rotation matrices. from_matrix takes what is a rotation to 4e-6 (|m^T m - 1|, determinant +1); nearest takes the rotation nearest
+ * to any matrix that has one (least squares; any scale). Scalar part not negative. */
+poinsot_status poinsot_quaternion_to_matrix(size_t n, const double q[], double m[]);
+poinsot_status poinsot_quaternion_from_matrix(size_t n, const double m[], double q[]);
+poinsot_status poinsot_quaternion_nearest(size_t n, const double m[], double q[]);
+
+/* Rotation vector: angle times axis; to_: of length at most pi. */
+poinsot_status poinsot_quaternion_from_rotation_vector(size_t n, const double v[], double q[]);
+poinsot_status poinsot_quaternion_to_rotation_vector(size_t n, const double q[], double v[]);
+
+/* axis [n][3], of any length but 0, angle [n]. to_: unit axes, angles in [0, pi]; the axis of the identity is the first. */
+poinsot_status poinsot_quaternion_from_axis_angle(size_t n, const double axis[], const double angle[], double q[]);
+poinsot_status poinsot_quaternion_to_axis_angle(size_t n, const double q[], double axis[], double angle[]);
+
+/* Cayley vector: tan(angle/2) times axis. A half-turn has none. */
+poinsot_status poinsot_quaternion_from_cayley(size_t n, const double e[], double q[]);
+poinsot_status poinsot_quaternion_to_cayley(size_t n, const double q[], double e[]);
+
+/* Euler angles [n][3] about moving axes: q = q_1(a1) o q_2(a2) o q_3(a3), turns about the axes that convention names: "xyz", "xzy",
+ * "yxz", "yzx", "zxy", "zyx", "xyx", "xzx", "yxy", "yzy", "zxz", "zyz"; another: POINSOT_E_METHOD. to_: the first and the third in
+ * [-pi, pi], the second in [0, pi] if first and third axis are the same, else in [-pi/2, pi/2]. In gimbal lock the third is 0. */
+poinsot_status poinsot_quaternion_from_euler(size_t n, const char *convention, const double angles[], double q[]);
+poinsot_status poinsot_quaternion_to_euler(size_t n, const char *convention, const double q[], double angles[]);
+
+/* Constant turn from p (t = 0) to q (t = 1), the shorter way round; t [n], beyond [0, 1] it goes on. */
+poinsot_status poinsot_quaternion_slerp(size_t n, const double p[], const double q[], const double t[], double r[]);
+
+/* The smallest turn that takes direction a to direction b, [n][3]. Scalar part not negative. */
+poinsot_status poinsot_quaternion_shortest_arc(size_t n, const double a[], const double b[], double q[]);
+
+/* d [n] = min(|p - q|, |p + q|), of any two quaternions; of attitudes half the angle between them, if that is small. */
+poinsot_status poinsot_quaternion_distance(size_t n, const double p[], const double q[], double d[]);
+
+/* Attitudes uniform over all rotations: row i is a function of seed and i. */
+poinsot_status poinsot_quaternion_random(size_t n, int64_t seed, double q[]);
 
 /* ---- many bodies: the view ----------------------------------------------------------------------------------------- */
 

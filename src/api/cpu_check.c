@@ -104,10 +104,57 @@ STATUS(rotate, (const poinsot_body *body, const char *method, double h, size_t s
                 poinsot_status per_body[]),
        (body, method, h, steps, n, y, q, per_body))
 
+STATUS_AFTER(NO_TEXT, moments_check, (const double moments[3], char *buffer, size_t capacity), (moments, buffer, capacity))
+STATUS_AFTER(NO_TEXT, inertia_check, (const double inertia[9], char *buffer, size_t capacity), (inertia, buffer, capacity))
+STATUS(inertia_of_points, (size_t n, const double mass[], const double x[], double centre[3], double tensor[9]),
+       (n, mass, x, centre, tensor))
+STATUS(principal_axes, (const double tensor[9], double moments[3], double axes[9]), (tensor, moments, axes))
+
 /* ---- elliptic functions -------------------------------------------------------------------------------------------- */
 
 STATUS(jacobi, (size_t n, const double u[], const double m[], const double m1[], double sn[], double cn[], double dn[]),
        (n, u, m, m1, sn, cn, dn))
+STATUS(jacobi_am, (size_t n, const double u[], const double m[], const double m1[], double am[]), (n, u, m, m1, am))
+STATUS(elliptic_k, (size_t n, const double m[], const double m1[], double k[]), (n, m, m1, k))
+STATUS(elliptic_e, (size_t n, const double m[], const double m1[], double e[]), (n, m, m1, e))
+STATUS(elliptic_pi, (size_t n, const double nu[], const double m[], const double m1[], double p[]), (n, nu, m, m1, p))
+STATUS(elliptic_f, (size_t n, const double phi[], const double m[], const double m1[], double f[]), (n, phi, m, m1, f))
+STATUS(elliptic_e_incomplete, (size_t n, const double phi[], const double m[], const double m1[], double e[]), (n, phi, m, m1, e))
+STATUS(elliptic_pi_incomplete, (size_t n, const double nu[], const double phi[], const double m[], const double m1[], double p[]),
+       (n, nu, phi, m, m1, p))
+STATUS(carlson_rf, (size_t n, const double x[], const double y[], const double z[], double r[]), (n, x, y, z, r))
+STATUS(carlson_rc, (size_t n, const double x[], const double y[], double r[]), (n, x, y, r))
+STATUS(carlson_rd, (size_t n, const double x[], const double y[], const double z[], double r[]), (n, x, y, z, r))
+STATUS(carlson_rj, (size_t n, const double x[], const double y[], const double z[], const double p[], double r[]), (n, x, y, z, p, r))
+
+/* ---- quaternions --------------------------------------------------------------------------------------------------- */
+
+#define FROM_ONE(name) STATUS(quaternion_##name, (size_t n, const double in[], double out[]), (n, in, out))
+#define FROM_TWO(name) \
+  STATUS(quaternion_##name, (size_t n, const double in[], const double with[], double out[]), (n, in, with, out))
+FROM_TWO(multiply)
+FROM_ONE(conjugate)
+FROM_ONE(inverse)
+FROM_ONE(normalize)
+FROM_ONE(exp)
+FROM_ONE(log)
+FROM_TWO(rotate)
+FROM_TWO(rotate_back)
+FROM_ONE(to_matrix)
+FROM_ONE(from_matrix)
+FROM_ONE(nearest)
+FROM_ONE(from_rotation_vector)
+FROM_ONE(to_rotation_vector)
+FROM_TWO(from_axis_angle)
+STATUS(quaternion_to_axis_angle, (size_t n, const double q[], double axis[], double angle[]), (n, q, axis, angle))
+FROM_ONE(from_cayley)
+FROM_ONE(to_cayley)
+STATUS(quaternion_from_euler, (size_t n, const char *convention, const double angles[], double q[]), (n, convention, angles, q))
+STATUS(quaternion_to_euler, (size_t n, const char *convention, const double q[], double angles[]), (n, convention, q, angles))
+STATUS(quaternion_slerp, (size_t n, const double p[], const double q[], const double t[], double r[]), (n, p, q, t, r))
+FROM_TWO(shortest_arc)
+FROM_TWO(distance)
+STATUS(quaternion_random, (size_t n, int64_t seed, double q[]), (n, seed, q))
 
 /* ---- many bodies --------------------------------------------------------------------------------------------------- */
 

@@ -3,9 +3,10 @@
 !>
 !> B. C. Carlson, Numer. Algorithms 10 (1995) 13-26; series of seventh order, DLMF 19.36(i). The
 !> argument 1 + e_n of R_C within R_J is computed as 2 sqrt(p) (p + lambda)/d_n, a positive sum, so
-!> that arguments 1e130 apart do. The functions are homogeneous of degree -1/2 and -3/2. Arguments
-!> out of the domain, infinite or NaN give NaN, and nothing else does; no exception is raised but
-!> overflow, when the value itself overflows.
+!> that arguments 1e130 apart do. The functions are homogeneous of degree -1/2 and -3/2, and are
+!> taken of arguments times a power of 4 where a sum or the value might leave the range. Arguments
+!> out of the domain, infinite or NaN give NaN, and so does a value out of range (R_D and R_J of
+!> tiny arguments); no exception is raised.
 module poinsot_elliptic_carlson
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use poinsot_core_kinds, only: dp
@@ -17,6 +18,7 @@ module poinsot_elliptic_carlson
    integer, parameter :: most = 1100              !! duplications; a dozen is usual
    real(dp), parameter :: huge_argument = 2.0_dp**1000 !! beyond it, sums could overflow:
    real(dp), parameter :: down = 2.0_dp**(-40), root_down = 2.0_dp**(-20)
+   integer, parameter :: least = -900, largest = 1000 !! binary exponents of what needs no scaling
 
 contains
 
@@ -118,15 +120,39 @@ contains
       real(dp), intent(in) :: x !! >= 0; not 0 together with y
       real(dp), intent(in) :: y !! >= 0
       real(dp), intent(in) :: z !! > 0
+      integer :: k
       r = ieee_value(r, ieee_quiet_nan)
       if (.not. triple_fits(x, y, z)) return
       if (z <= 0.0_dp) return
       if (max(x, y, z) > huge_argument) then
          r = root_down**3*rd_sum(x*down, y*down, z*down)
-      else
-         r = rd_sum(x, y, z)
+      else ! at most 3/(z sqrt(max(x, y)))
+         k = upward(exponent(z) + exponent(max(x, y))/2, max(x, y, z))
+         r = rescaled(rd_sum(scale(x, 2*k), scale(y, 2*k), scale(z, 2*k)), k)
       end if
    end function carlson_rd
+
+   !> The k with which arguments 4**k as large have a value in range, if the value of arguments as
+   !> they are may be as large as 2**(-bound).
+   elemental integer function upward(bound, greatest) result(k)
+      integer, intent(in) :: bound
+      real(dp), intent(in) :: greatest !! of the arguments
+      k = 0
+      if (bound < least) k = min((least - bound)/3 + 1, (largest - exponent(greatest))/2)
+   end function upward
+
+   !> A value of degree -3/2 of arguments 4**k as large; NaN out of range.
+   elemental real(dp) function rescaled(value, k) result(r)
+      real(dp), intent(in) :: value
+      integer, intent(in) :: k
+      r = value
+      if (k == 0) return
+      if (exponent(value) + 3*k > maxexponent(r)) then
+         r = ieee_value(r, ieee_quiet_nan)
+      else
+         r = scale(value, 3*k)
+      end if
+   end function rescaled
 
    !> Duplication for R_D.
    elemental real(dp) function rd_sum(x0, y0, z0) result(r)
@@ -173,6 +199,7 @@ contains
       real(dp), intent(in) :: y !! >= 0
       real(dp), intent(in) :: z !! >= 0
       real(dp), intent(in) :: p !! not 0
+      integer :: k
       r = ieee_value(r, ieee_quiet_nan)
       if (.not. triple_fits(x, y, z)) return
       if (.not. ieee_is_finite(p)) return
@@ -180,9 +207,24 @@ contains
       if (max(x, y, z, abs(p)) > huge_argument) then
          r = root_down**3*rj_any(x*down, y*down, z*down, p*down)
       else
-         r = rj_any(x, y, z, p)
+         k = upward(rj_bound(x, y, z, p), max(x, y, z, abs(p)))
+         r = rescaled(rj_any(scale(x, 2*k), scale(y, 2*k), scale(z, 2*k), scale(p, 2*k)), k)
       end if
    end function carlson_rj
+
+   !> The value, and every term on the way to it, is less than about 2**(-bound): 5/sqrt(y z p) with
+   !> x the least of three, or for p < 0 5/((y - p) (y z)**(1/4)) and 5/(y sqrt(z)).
+   elemental integer function rj_bound(x, y, z, p) result(bound)
+      real(dp), intent(in) :: x, y, z, p
+      integer :: middle, high
+      middle = exponent(max(min(x, y), min(max(x, y), z)))
+      high = exponent(max(x, y, z))
+      if (p > 0.0_dp) then
+         bound = (middle + high + exponent(p))/2
+      else
+         bound = min((middle + high)/4 + max(middle, exponent(p)), middle + high/2)
+      end if
+   end function rj_bound
 
    !> R_J for either sign of p (DLMF 19.20.14).
    elemental real(dp) function rj_any(x, y, z, p) result(r)
@@ -197,7 +239,10 @@ contains
       middle = max(min(x, y), min(max(x, y), z))
       t = middle + (high - middle)*((middle - low)/(middle - p))
       r = (t - middle)*rj_sum(low, middle, high, t) - 3.0_dp*rf_sum(low, middle, high)
-      r = (r + 3.0_dp*rc_any(low*(high/middle), t*(p/middle)))/(middle - p)
+      ! low high/middle and t p/middle, with factors of at most 1
+      r = r + 3.0_dp*rc_any((low/middle)*high, &
+         p + (p/(middle - p))*((high - middle)*((middle - low)/middle)))
+      r = r/(middle - p)
    end function rj_any
 
    !> Duplication for R_J, p > 0.

@@ -56,7 +56,8 @@ contains
       real(dp), intent(in) :: n            !! characteristic, < 1, any negative value too
       real(dp), intent(in) :: m            !! parameter, in [0, 1)
       real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it; > 0
-      real(dp) :: b, q
+      real(dp), parameter :: far = -1.0e40_dp
+      real(dp) :: b, q, part
       b = complete_parameter(m, m1)
       r = b
       if (.not. ieee_is_finite(b)) return
@@ -68,23 +69,29 @@ contains
          r = r + n*carlson_rj(0.0_dp, b, 1.0_dp, 1.0_dp - n)/3.0_dp
       else ! Abramowitz and Stegun 17.7.17: the other characteristic q, positive terms again
          q = (m - n)/(1.0_dp - n)
-         r = (m/(m - n))*r + ((-n)/(m - n))*(b/(1.0_dp - n)) &
-            *(r + q*carlson_rj(0.0_dp, b, 1.0_dp, b/(1.0_dp - n))/3.0_dp)
+         if (n > far) then
+            part = (b/(1.0_dp - n))*(r + q*carlson_rj(0.0_dp, b, 1.0_dp, b/(1.0_dp - n))/3.0_dp)
+         else ! p R_J(0, b, 1, p) = 3/2 pi sqrt(p/b) (1 - O(sqrt(p/b)))
+            part = (b/(1.0_dp - n))*r + q*(half_pi/sqrt(1.0_dp - n))
+         end if
+         r = (m/(m - n))*r + ((-n)/(m - n))*part
       end if
    end function complete_pi
 
-   !> 1 - m, the given or the computed one; NaN out of the domain.
+   !> 1 - m, the given or the computed one; NaN if either is out of the domain.
    elemental real(dp) function complete_parameter(m, m1) result(b)
       real(dp), intent(in) :: m            !! parameter, in [0, 1]
-      real(dp), intent(in), optional :: m1 !! 1 - m; only this one is looked at if present
-      real(dp) :: a
-      a = m
-      if (present(m1)) a = m1
+      real(dp), intent(in), optional :: m1 !! 1 - m, which is believed
       b = ieee_value(b, ieee_quiet_nan)
-      if (.not. ieee_is_finite(a)) return
-      if (a < 0.0_dp .or. a > 1.0_dp) return
-      b = 1.0_dp - a
-      if (present(m1)) b = m1
+      if (.not. ieee_is_finite(m)) return
+      if (m < 0.0_dp .or. m > 1.0_dp) return
+      if (present(m1)) then
+         if (.not. ieee_is_finite(m1)) return
+         if (m1 < 0.0_dp .or. m1 > 1.0_dp) return
+         b = m1
+      else
+         b = 1.0_dp - m
+      end if
    end function complete_parameter
 
 end module poinsot_elliptic_complete

@@ -6,6 +6,7 @@
 module poinsot_elliptic_legendre
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use poinsot_core_kinds, only: dp
+   use poinsot_core_libm, only: arctangent, cosine, sine
    use poinsot_elliptic_carlson, only: carlson_rc, carlson_rd, carlson_rf, carlson_rj
    use poinsot_elliptic_complete, only: complete_e, complete_k, complete_parameter, complete_pi
    implicit none(type, external)
@@ -62,7 +63,7 @@ contains
       real(dp), intent(in) :: m            !! parameter, in [0, 1]
       real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it
       real(dp) :: c, b
-      call cosine(s, m, m1, c, b, r)
+      call cosine_of(s, m, m1, c, b, r)
       if (ieee_is_finite(r)) r = f_part(s, c, b)
    end function legendre_f_sine
 
@@ -72,7 +73,7 @@ contains
       real(dp), intent(in) :: m            !! parameter, in [0, 1]
       real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it
       real(dp) :: c, b
-      call cosine(s, m, m1, c, b, r)
+      call cosine_of(s, m, m1, c, b, r)
       if (ieee_is_finite(r)) r = e_part(s, c, m, b)
    end function legendre_e_sine
 
@@ -83,8 +84,13 @@ contains
       real(dp), intent(in) :: m            !! parameter, in [0, 1]
       real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it
       real(dp) :: c, b
-      call cosine(s, m, m1, c, b, r)
-      if (ieee_is_finite(r)) r = pi_part(n, s, c, m, b)
+      call cosine_of(s, m, m1, c, b, r)
+      if (.not. ieee_is_finite(r)) return
+      if (abs(s) < 1.0_dp) then
+         r = pi_part(n, s, c, m, b)
+      else
+         r = s*complete_pi(n, m, m1)
+      end if
    end function legendre_pi_sine
 
    !> The u in [-K, K] with sn(u, m) = x.
@@ -101,7 +107,7 @@ contains
       real(dp), intent(in) :: m            !! parameter, in [0, 1]
       real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it
       real(dp) :: c, b
-      call cosine(x, m, m1, c, b, u)
+      call cosine_of(x, m, m1, c, b, u)
       if (.not. ieee_is_finite(u)) return
       u = f_part(c, abs(x), b)
       if (x < 0.0_dp) u = 2.0_dp*complete_k(m, m1) - u
@@ -143,8 +149,8 @@ contains
       turns = anint(phi/pi)
       rest = phi
       if (abs(turns) > 0.0_dp) rest = mod_pi(phi, turns)
-      s = sin(rest)
-      c = cos(rest)
+      s = sine(rest)
+      c = cosine(rest)
       if (c < 0.0_dp) then
          turns = turns + sign(1.0_dp, s)
          s = -s
@@ -162,7 +168,7 @@ contains
    end function mod_pi
 
    !> Cosine (not negative) of the amplitude of a sine; r is NaN out of the domain, else 0.
-   elemental subroutine cosine(s, m, m1, c, b, r)
+   elemental subroutine cosine_of(s, m, m1, c, b, r)
       real(dp), intent(in) :: s, m
       real(dp), intent(in), optional :: m1
       real(dp), intent(out) :: c, b, r
@@ -175,7 +181,7 @@ contains
       if (abs(s) > 1.0_dp) return
       c = sqrt((1.0_dp - s)*(1.0_dp + s))
       r = 0.0_dp
-   end subroutine cosine
+   end subroutine cosine_of
 
    !> F of an amplitude up to a quarter turn.
    elemental real(dp) function f_part(s, c, m1) result(r)
@@ -214,7 +220,7 @@ contains
       r = f + q*s*s*carlson_rj(c*c, d2, 1.0_dp, p)/3.0_dp
       r = s*((m/(m - n))*f + ((-n)/(m - n))*(m1/(1.0_dp - n))*r)
       a = (-n/(1.0_dp - n))*(m - n)
-      r = r + sqrt(a)/(m - n)*atan2(sqrt(a)*s*c, sqrt(d2))
+      r = r + sqrt(a)/(m - n)*arctangent(sqrt(a)*s*c, sqrt(d2))
    end function pi_part
 
 end module poinsot_elliptic_legendre
