@@ -144,7 +144,7 @@ poinsot_status poinsot_principal_axes(const double tensor[9], double moments[3],
  * 1 - nu sin^2; of integrals through a pole (nu sin^2 = 1) there is no principal value: POINSOT_E_DOMAIN. Within a few units in the
  * last place. While the thread does not round to nearest, all of jacobi and jacobi_am is POINSOT_E_DOMAIN. */
 
-/* sn, cn, dn and am of u, |u| <= 1e15; to 1e-15 for |u| <= 1e6, beyond as well as u is known. */
+/* sn, cn, dn of u, |u| <= 1e15, to 1e-15 max(1, |u|/50); am to 1e-15 (1 + |am|). */
 poinsot_status poinsot_jacobi(size_t n, const double u[], const double m[], const double m1[],
                               double sn[], double cn[], double dn[]);
 poinsot_status poinsot_jacobi_am(size_t n, const double u[], const double m[], const double m1[], double am[]);
@@ -161,7 +161,7 @@ poinsot_status poinsot_elliptic_pi_incomplete(size_t n, const double nu[], const
                                               double p[]);
 
 /* Carlson's R_F(x, y, z), R_C(x, y), R_D(x, y, z), R_J(x, y, z, p): x, y, z >= 0, at most one of them 0; z > 0 of R_D. y of R_C and
- * p of R_J not 0; where they are negative: the principal value. */
+ * p of R_J not 0; where they are negative: the principal value (R_J to a few units of R_F/(y - p), y the middle one of x, y, z). */
 poinsot_status poinsot_carlson_rf(size_t n, const double x[], const double y[], const double z[], double r[]);
 poinsot_status poinsot_carlson_rc(size_t n, const double x[], const double y[], double r[]);
 poinsot_status poinsot_carlson_rd(size_t n, const double x[], const double y[], const double z[], double r[]);

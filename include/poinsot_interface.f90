@@ -14,6 +14,22 @@ module poinsot_interface
       poinsot_effect_count, poinsot_effect_name
    public :: poinsot_body_create, poinsot_body_create_tensor, poinsot_body_destroy, &
       poinsot_rotate, poinsot_jacobi
+   public :: poinsot_moments_check, poinsot_inertia_check, poinsot_inertia_of_points
+   public :: poinsot_principal_axes, poinsot_jacobi_am, poinsot_elliptic_k, poinsot_elliptic_e
+   public :: poinsot_elliptic_pi, poinsot_elliptic_f, poinsot_elliptic_e_incomplete
+   public :: poinsot_elliptic_pi_incomplete, poinsot_carlson_rf, poinsot_carlson_rc
+   public :: poinsot_carlson_rd, poinsot_carlson_rj, poinsot_quaternion_multiply
+   public :: poinsot_quaternion_conjugate, poinsot_quaternion_inverse
+   public :: poinsot_quaternion_normalize, poinsot_quaternion_exp, poinsot_quaternion_log
+   public :: poinsot_quaternion_rotate, poinsot_quaternion_rotate_back
+   public :: poinsot_quaternion_to_matrix, poinsot_quaternion_from_matrix
+   public :: poinsot_quaternion_nearest, poinsot_quaternion_from_rotation_vector
+   public :: poinsot_quaternion_to_rotation_vector, poinsot_quaternion_from_axis_angle
+   public :: poinsot_quaternion_to_axis_angle, poinsot_quaternion_from_cayley
+   public :: poinsot_quaternion_to_cayley, poinsot_quaternion_from_euler
+   public :: poinsot_quaternion_to_euler, poinsot_quaternion_slerp
+   public :: poinsot_quaternion_shortest_arc, poinsot_quaternion_distance
+   public :: poinsot_quaternion_random
    public :: poinsot_bodies_rows, poinsot_bodies_arrays, poinsot_bodies_rows_sized, &
       poinsot_bodies_arrays_sized
    public :: poinsot_plan_create, poinsot_plan_destroy, poinsot_plan_add_class, &
@@ -117,6 +133,34 @@ module poinsot_interface
                                                           ! or c_null_ptr
       end function poinsot_rotate
 
+      integer(c_int) function poinsot_moments_check(moments, buffer, capacity) bind(c)
+         import
+         real(c_double), intent(in) :: moments(3)
+         character(kind=c_char), intent(out) :: buffer(*)
+         integer(c_size_t), value :: capacity
+      end function poinsot_moments_check
+
+      integer(c_int) function poinsot_inertia_check(inertia, buffer, capacity) bind(c)
+         import
+         real(c_double), intent(in) :: inertia(3, 3)
+         character(kind=c_char), intent(out) :: buffer(*)
+         integer(c_size_t), value :: capacity
+      end function poinsot_inertia_check
+
+      integer(c_int) function poinsot_inertia_of_points(n, mass, x, centre, tensor) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: mass(*), x(3, *)
+         real(c_double), intent(out) :: centre(3), tensor(3, 3)
+      end function poinsot_inertia_of_points
+
+      integer(c_int) function poinsot_principal_axes(tensor, moments, axes) bind(c)
+         import
+         real(c_double), intent(in) :: tensor(3, 3)       ! symmetric
+         real(c_double), intent(out) :: moments(3)
+         real(c_double), intent(out) :: axes(3, 3)        ! principal axes as rows: row-major in C
+      end function poinsot_principal_axes
+
       integer(c_int) function poinsot_jacobi(n, u, m, m1, sn, cn, dn) bind(c)
          import
          integer(c_size_t), value :: n
@@ -125,6 +169,253 @@ module poinsot_interface
                                                           ! c_null_ptr
          real(c_double), intent(out) :: sn(*), cn(*), dn(*)
       end function poinsot_jacobi
+
+      integer(c_int) function poinsot_jacobi_am(n, u, m, m1, am) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: u(*), m(*)
+         type(c_ptr), value :: m1                         ! c_loc of m1(n), or c_null_ptr
+         real(c_double), intent(out) :: am(*)
+      end function poinsot_jacobi_am
+
+      integer(c_int) function poinsot_elliptic_k(n, m, m1, k) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: m(*)
+         type(c_ptr), value :: m1                         ! c_loc of m1(n), or c_null_ptr
+         real(c_double), intent(out) :: k(*)
+      end function poinsot_elliptic_k
+
+      integer(c_int) function poinsot_elliptic_e(n, m, m1, e) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: m(*)
+         type(c_ptr), value :: m1                         ! c_loc of m1(n), or c_null_ptr
+         real(c_double), intent(out) :: e(*)
+      end function poinsot_elliptic_e
+
+      integer(c_int) function poinsot_elliptic_pi(n, nu, m, m1, p) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: nu(*), m(*)
+         type(c_ptr), value :: m1                         ! c_loc of m1(n), or c_null_ptr
+         real(c_double), intent(out) :: p(*)
+      end function poinsot_elliptic_pi
+
+      integer(c_int) function poinsot_elliptic_f(n, phi, m, m1, f) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: phi(*), m(*)
+         type(c_ptr), value :: m1                         ! c_loc of m1(n), or c_null_ptr
+         real(c_double), intent(out) :: f(*)
+      end function poinsot_elliptic_f
+
+      integer(c_int) function poinsot_elliptic_e_incomplete(n, phi, m, m1, e) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: phi(*), m(*)
+         type(c_ptr), value :: m1                         ! c_loc of m1(n), or c_null_ptr
+         real(c_double), intent(out) :: e(*)
+      end function poinsot_elliptic_e_incomplete
+
+      integer(c_int) function poinsot_elliptic_pi_incomplete(n, nu, phi, m, m1, p) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: nu(*), phi(*), m(*)
+         type(c_ptr), value :: m1                         ! c_loc of m1(n), or c_null_ptr
+         real(c_double), intent(out) :: p(*)
+      end function poinsot_elliptic_pi_incomplete
+
+      integer(c_int) function poinsot_carlson_rf(n, x, y, z, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: x(*), y(*), z(*)
+         real(c_double), intent(out) :: r(*)
+      end function poinsot_carlson_rf
+
+      integer(c_int) function poinsot_carlson_rc(n, x, y, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: x(*), y(*)
+         real(c_double), intent(out) :: r(*)
+      end function poinsot_carlson_rc
+
+      integer(c_int) function poinsot_carlson_rd(n, x, y, z, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: x(*), y(*), z(*)
+         real(c_double), intent(out) :: r(*)
+      end function poinsot_carlson_rd
+
+      integer(c_int) function poinsot_carlson_rj(n, x, y, z, p, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: x(*), y(*), z(*), p(*)
+         real(c_double), intent(out) :: r(*)
+      end function poinsot_carlson_rj
+
+      integer(c_int) function poinsot_quaternion_multiply(n, p, q, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: p(4, *), q(4, *)
+         real(c_double), intent(out) :: r(4, *)
+      end function poinsot_quaternion_multiply
+
+      integer(c_int) function poinsot_quaternion_conjugate(n, q, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: r(4, *)
+      end function poinsot_quaternion_conjugate
+
+      integer(c_int) function poinsot_quaternion_inverse(n, q, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: r(4, *)
+      end function poinsot_quaternion_inverse
+
+      integer(c_int) function poinsot_quaternion_normalize(n, q, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: r(4, *)
+      end function poinsot_quaternion_normalize
+
+      integer(c_int) function poinsot_quaternion_exp(n, q, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: r(4, *)
+      end function poinsot_quaternion_exp
+
+      integer(c_int) function poinsot_quaternion_log(n, q, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: r(4, *)
+      end function poinsot_quaternion_log
+
+      integer(c_int) function poinsot_quaternion_rotate(n, q, v, w) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *), v(3, *)
+         real(c_double), intent(out) :: w(3, *)
+      end function poinsot_quaternion_rotate
+
+      integer(c_int) function poinsot_quaternion_rotate_back(n, q, v, w) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *), v(3, *)
+         real(c_double), intent(out) :: w(3, *)
+      end function poinsot_quaternion_rotate_back
+
+      integer(c_int) function poinsot_quaternion_to_matrix(n, q, m) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: m(9, *)
+      end function poinsot_quaternion_to_matrix
+
+      integer(c_int) function poinsot_quaternion_from_matrix(n, m, q) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: m(9, *)
+         real(c_double), intent(out) :: q(4, *)
+      end function poinsot_quaternion_from_matrix
+
+      integer(c_int) function poinsot_quaternion_nearest(n, m, q) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: m(9, *)
+         real(c_double), intent(out) :: q(4, *)
+      end function poinsot_quaternion_nearest
+
+      integer(c_int) function poinsot_quaternion_from_rotation_vector(n, v, q) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: v(3, *)
+         real(c_double), intent(out) :: q(4, *)
+      end function poinsot_quaternion_from_rotation_vector
+
+      integer(c_int) function poinsot_quaternion_to_rotation_vector(n, q, v) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: v(3, *)
+      end function poinsot_quaternion_to_rotation_vector
+
+      integer(c_int) function poinsot_quaternion_from_axis_angle(n, axis, angle, q) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: axis(3, *), angle(*)
+         real(c_double), intent(out) :: q(4, *)
+      end function poinsot_quaternion_from_axis_angle
+
+      integer(c_int) function poinsot_quaternion_to_axis_angle(n, q, axis, angle) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: axis(3, *), angle(*)
+      end function poinsot_quaternion_to_axis_angle
+
+      integer(c_int) function poinsot_quaternion_from_cayley(n, e, q) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: e(3, *)
+         real(c_double), intent(out) :: q(4, *)
+      end function poinsot_quaternion_from_cayley
+
+      integer(c_int) function poinsot_quaternion_to_cayley(n, q, e) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: e(3, *)
+      end function poinsot_quaternion_to_cayley
+
+      integer(c_int) function poinsot_quaternion_from_euler(n, convention, angles, q) bind(c)
+         import
+         integer(c_size_t), value :: n
+         character(kind=c_char), intent(in) :: convention(*)
+         real(c_double), intent(in) :: angles(3, *)
+         real(c_double), intent(out) :: q(4, *)
+      end function poinsot_quaternion_from_euler
+
+      integer(c_int) function poinsot_quaternion_to_euler(n, convention, q, angles) bind(c)
+         import
+         integer(c_size_t), value :: n
+         character(kind=c_char), intent(in) :: convention(*)
+         real(c_double), intent(in) :: q(4, *)
+         real(c_double), intent(out) :: angles(3, *)
+      end function poinsot_quaternion_to_euler
+
+      integer(c_int) function poinsot_quaternion_slerp(n, p, q, t, r) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: p(4, *), q(4, *), t(*)
+         real(c_double), intent(out) :: r(4, *)
+      end function poinsot_quaternion_slerp
+
+      integer(c_int) function poinsot_quaternion_shortest_arc(n, a, b, q) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: a(3, *), b(3, *)
+         real(c_double), intent(out) :: q(4, *)
+      end function poinsot_quaternion_shortest_arc
+
+      integer(c_int) function poinsot_quaternion_distance(n, p, q, d) bind(c)
+         import
+         integer(c_size_t), value :: n
+         real(c_double), intent(in) :: p(4, *), q(4, *)
+         real(c_double), intent(out) :: d(*)
+      end function poinsot_quaternion_distance
+
+      integer(c_int) function poinsot_quaternion_random(n, seed, q) bind(c)
+         import
+         integer(c_size_t), value :: n
+         integer(c_int64_t), value :: seed
+         real(c_double), intent(out) :: q(4, *)
+      end function poinsot_quaternion_random
 
       integer(c_int) function poinsot_bodies_rows_sized(bodies, size, layout, order, n, momentum, &
             attitude) bind(c)

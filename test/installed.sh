@@ -255,6 +255,7 @@ if have pkg-config; then
       skip "example-c++" "no c++"
    fi
    expect "abuse" with_shared "-std=c99 -pedantic -Wall -Wextra -Werror" "test/c/abuse.c -lpthread"
+   expect "functions" with_shared "-std=c99 -pedantic -Wall -Wextra -Werror" test/c/functions.c
    if sanitizers_work; then expect "abuse-sanitized" abuse_sanitized; else skip "abuse-sanitized" "no sanitizers"; fi
    if have valgrind && without_avx512; then
       expect "abuse-valgrind" abuse_valgrind

@@ -8,7 +8,7 @@ module poinsot_core_libm
    use, intrinsic :: iso_c_binding, only: c_double
    implicit none(type, external)
    private
-   public :: sine, cosine, arctangent, exponential, logarithm
+   public :: sine, cosine, arctangent, exponential, logarithm, logarithm_1p
 
    interface
       !> sin(x), x in radians, of any finite size.
@@ -45,6 +45,13 @@ module poinsot_core_libm
          implicit none(type, external)
          real(c_double), intent(in), value :: x
       end function logarithm
+
+      !> Natural logarithm of 1 + x, x above -1: of full precision for small x.
+      pure real(c_double) function logarithm_1p(x) bind(c, name="log1p")
+         import :: c_double
+         implicit none(type, external)
+         real(c_double), intent(in), value :: x
+      end function logarithm_1p
    end interface
 
 end module poinsot_core_libm

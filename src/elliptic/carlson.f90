@@ -3,10 +3,10 @@
 !>
 !> B. C. Carlson, Numer. Algorithms 10 (1995) 13-26; series of seventh order, DLMF 19.36(i). The
 !> argument 1 + e_n of R_C within R_J is computed as 2 sqrt(p) (p + lambda)/d_n, a positive sum, so
-!> that arguments 1e130 apart do. The functions are homogeneous of degree -1/2 and -3/2, and are
-!> taken of arguments times a power of 4 where a sum or the value might leave the range. Arguments
-!> out of the domain, infinite or NaN give NaN, and so does a value out of range (R_D and R_J of
-!> tiny arguments); no exception is raised.
+!> that arguments 1e130 apart do. Sums are taken of parts, so that they stay in range with every
+!> argument. The functions are homogeneous of degree -1/2 and -3/2: tiny arguments are taken times a
+!> power of 4. Arguments out of the domain, infinite or NaN give NaN, and so does a value out of
+!> range (of R_D and R_J alone); no exception is raised.
 module poinsot_elliptic_carlson
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use poinsot_core_kinds, only: dp
@@ -16,8 +16,9 @@ module poinsot_elliptic_carlson
 
    real(dp), parameter :: close_enough = 0.008_dp !! its eighth power is 2e-17
    integer, parameter :: most = 1100              !! duplications; a dozen is usual
-   real(dp), parameter :: huge_argument = 2.0_dp**1000 !! beyond it, sums could overflow:
-   real(dp), parameter :: down = 2.0_dp**(-40), root_down = 2.0_dp**(-20)
+   real(dp), parameter :: four_thirds = 4.0_dp/3.0_dp
+   real(dp), parameter :: tiny_argument = 2.0_dp**(-500) !! below it sums could be subnormal
+   real(dp), parameter :: up = 2.0_dp**400, root_up = 2.0_dp**200
    integer, parameter :: least = -900, largest = 1000 !! binary exponents of what needs no scaling
 
 contains
@@ -29,8 +30,8 @@ contains
       real(dp), intent(in) :: z !! >= 0
       r = ieee_value(r, ieee_quiet_nan)
       if (.not. triple_fits(x, y, z)) return
-      if (max(x, y, z) > huge_argument) then
-         r = root_down*rf_sum(x*down, y*down, z*down)
+      if (max(x, y, z) < tiny_argument) then
+         r = root_up*rf_sum(x*up, y*up, z*up)
       else
          r = rf_sum(x, y, z)
       end if
@@ -44,6 +45,16 @@ contains
       fits = min(x, y, z) >= 0.0_dp .and. max(min(x, y), min(max(x, y), z)) > 0.0_dp
    end function triple_fits
 
+   !> A quarter of the lambda of Carlson's duplication.
+   elemental real(dp) function quarter_lambda(x, y, z) result(quarter)
+      real(dp), intent(in) :: x, y, z
+      real(dp) :: half_x, half_y, half_z
+      half_x = 0.5_dp*sqrt(x)
+      half_y = 0.5_dp*sqrt(y)
+      half_z = 0.5_dp*sqrt(z)
+      quarter = half_x*(half_y + half_z) + half_y*half_z
+   end function quarter_lambda
+
    !> Duplication for R_F; the arguments have been looked at.
    elemental real(dp) function rf_sum(x0, y0, z0) result(r)
       real(dp), intent(in) :: x0, y0, z0
@@ -53,12 +64,12 @@ contains
       y = y0
       z = z0
       do i = 1, most
-         a = (x + y + z)/3.0_dp
+         a = four_thirds*(0.25_dp*x + 0.25_dp*y + 0.25_dp*z)
          if (max(abs(a - x), abs(a - y), abs(a - z)) < close_enough*a) exit
-         lambda = sqrt(x)*(sqrt(y) + sqrt(z)) + sqrt(y)*sqrt(z)
-         x = 0.25_dp*(x + lambda)
-         y = 0.25_dp*(y + lambda)
-         z = 0.25_dp*(z + lambda)
+         lambda = quarter_lambda(x, y, z)
+         x = 0.25_dp*x + lambda
+         y = 0.25_dp*y + lambda
+         z = 0.25_dp*z + lambda
       end do
       p = (a - x)/a
       q = (a - y)/a
@@ -76,8 +87,10 @@ contains
       r = ieee_value(r, ieee_quiet_nan)
       if (.not. (ieee_is_finite(x) .and. ieee_is_finite(y))) return
       if (x < 0.0_dp .or. abs(y) <= 0.0_dp) return
-      if (max(x, abs(y)) > huge_argument) then
-         r = root_down*rc_any(x*down, y*down)
+      if (max(x, abs(y)) < tiny_argument) then
+         r = root_up*rc_any(x*up, y*up)
+      else if (y < 0.0_dp .and. max(x, -y) > 0.5_dp*huge(x)) then ! x - y could overflow
+         r = 0.5_dp*rc_any(0.25_dp*x, 0.25_dp*y)
       else
          r = rc_any(x, y)
       end if
@@ -103,11 +116,11 @@ contains
       x = x0
       y = y0
       do i = 1, most
-         a = (x + 2.0_dp*y)/3.0_dp
+         a = four_thirds*(0.25_dp*x + 0.5_dp*y)
          if (abs(a - x) < close_enough*a) exit
-         lambda = 2.0_dp*sqrt(x)*sqrt(y) + y
-         x = 0.25_dp*(x + lambda)
-         y = 0.25_dp*(y + lambda)
+         lambda = 0.5_dp*sqrt(x)*sqrt(y) + 0.25_dp*y
+         x = 0.25_dp*x + lambda
+         y = 0.25_dp*y + lambda
       end do
       s = 0.5_dp*(a - x)/a
       r = 9.0_dp/22.0_dp + s*(159.0_dp/208.0_dp + s*9.0_dp/8.0_dp)
@@ -124,16 +137,12 @@ contains
       r = ieee_value(r, ieee_quiet_nan)
       if (.not. triple_fits(x, y, z)) return
       if (z <= 0.0_dp) return
-      if (max(x, y, z) > huge_argument) then
-         r = root_down**3*rd_sum(x*down, y*down, z*down)
-      else ! at most 3/(z sqrt(max(x, y)))
-         k = upward(exponent(z) + exponent(max(x, y))/2, max(x, y, z))
-         r = rescaled(rd_sum(scale(x, 2*k), scale(y, 2*k), scale(z, 2*k)), k)
-      end if
+      k = upward(exponent(z) + exponent(max(x, y))/2, max(x, y, z)) ! value at most 3/(z sqrt(y))
+      r = rescaled(rd_sum(scale(x, 2*k), scale(y, 2*k), scale(z, 2*k)), k)
    end function carlson_rd
 
    !> The k with which arguments 4**k as large have a value in range, if the value of arguments as
-   !> they are may be as large as 2**(-bound).
+   !> they are may be as large as 2**(-bound). 0 for most.
    elemental integer function upward(bound, greatest) result(k)
       integer, intent(in) :: bound
       real(dp), intent(in) :: greatest !! of the arguments
@@ -165,20 +174,21 @@ contains
       total = 0.0_dp
       power = 1.0_dp
       do i = 1, most
-         a = (x + y + 3.0_dp*z)/5.0_dp
+         a = 1.6_dp*(0.125_dp*x + 0.125_dp*y + 0.375_dp*z)
          if (max(abs(a - x), abs(a - y), abs(a - z)) < close_enough*a) exit
-         lambda = sqrt(x)*(sqrt(y) + sqrt(z)) + sqrt(y)*sqrt(z)
-         total = total + power/sqrt(z)/(z + lambda)
+         lambda = quarter_lambda(x, y, z)
          power = 0.25_dp*power
-         x = 0.25_dp*(x + lambda)
-         y = 0.25_dp*(y + lambda)
-         z = 0.25_dp*(z + lambda)
+         total = total + power/sqrt(z)/(0.25_dp*z + lambda)
+         x = 0.25_dp*x + lambda
+         y = 0.25_dp*y + lambda
+         z = 0.25_dp*z + lambda
       end do
-      r = power*(degree_3_2(a, (a - x)/a, (a - y)/a, (a - z)/a, (a - z)/a)) + 3.0_dp*total
+      r = degree_3_2(power, a, (a - x)/a, (a - y)/a, (a - z)/a, (a - z)/a) + 3.0_dp*total
    end function rd_sum
 
    !> The series that R_D and R_J end with (DLMF 19.36.2), x + y + z + 2 p = 0.
-   elemental real(dp) function degree_3_2(a, x, y, z, p) result(r)
+   elemental real(dp) function degree_3_2(power, a, x, y, z, p) result(r)
+      real(dp), intent(in) :: power !! what it is multiplied by
       real(dp), intent(in) :: a, x, y, z, p
       real(dp) :: e2, e3, e4, e5, xyz
       xyz = x*y*z
@@ -190,7 +200,7 @@ contains
          + 3.0_dp*e4/20.0_dp + 45.0_dp*e2*e3/272.0_dp - 9.0_dp*e5/68.0_dp)
       r = r + e3*(1.0_dp/6.0_dp + 3.0_dp*e3/40.0_dp - 9.0_dp*e4/68.0_dp)
       r = r - 3.0_dp*e4/22.0_dp + 3.0_dp*e5/26.0_dp
-      r = (1.0_dp + r)/(a*sqrt(a))
+      r = (1.0_dp + r)*(power/a)/sqrt(a)
    end function degree_3_2
 
    !> R_J(x, y, z, p), symmetric in x, y, z; its Cauchy principal value for p < 0.
@@ -204,12 +214,9 @@ contains
       if (.not. triple_fits(x, y, z)) return
       if (.not. ieee_is_finite(p)) return
       if (abs(p) <= 0.0_dp) return
-      if (max(x, y, z, abs(p)) > huge_argument) then
-         r = root_down**3*rj_any(x*down, y*down, z*down, p*down)
-      else
-         k = upward(rj_bound(x, y, z, p), max(x, y, z, abs(p)))
-         r = rescaled(rj_any(scale(x, 2*k), scale(y, 2*k), scale(z, 2*k), scale(p, 2*k)), k)
-      end if
+      k = upward(rj_bound(x, y, z, p), max(x, y, z, abs(p)))
+      if (p < 0.0_dp .and. max(x, y, z, -p) > 0.5_dp*huge(x)) k = -1 ! y - p could overflow
+      r = rescaled(rj_any(scale(x, 2*k), scale(y, 2*k), scale(z, 2*k), scale(p, 2*k)), k)
    end function carlson_rj
 
    !> The value, and every term on the way to it, is less than about 2**(-bound): 5/sqrt(y z p) with
@@ -231,22 +238,23 @@ contains
       real(dp), intent(in) :: x, y, z, p
       real(dp) :: low, middle, high, t
       if (p > 0.0_dp) then
-         r = rj_sum(x, y, z, p)
+         r = rj_sum(1.0_dp, x, y, z, p)
          return
       end if
       low = min(x, y, z)
       high = max(x, y, z)
       middle = max(min(x, y), min(max(x, y), z))
       t = middle + (high - middle)*((middle - low)/(middle - p))
-      r = (t - middle)*rj_sum(low, middle, high, t) - 3.0_dp*rf_sum(low, middle, high)
+      r = rj_sum(t - middle, low, middle, high, t) - 3.0_dp*rf_sum(low, middle, high)
       ! low high/middle and t p/middle, with factors of at most 1
       r = r + 3.0_dp*rc_any((low/middle)*high, &
          p + (p/(middle - p))*((high - middle)*((middle - low)/middle)))
       r = r/(middle - p)
    end function rj_any
 
-   !> Duplication for R_J, p > 0.
-   elemental real(dp) function rj_sum(x0, y0, z0, p0) result(r)
+   !> Duplication for R_J times a factor, p > 0.
+   elemental real(dp) function rj_sum(factor, x0, y0, z0, p0) result(r)
+      real(dp), intent(in) :: factor !! so large that R_J alone might be below the range
       real(dp), intent(in) :: x0, y0, z0, p0
       real(dp) :: x, y, z, p, a, lambda, total, power, sx, sy, sz, q
       integer :: i
@@ -255,23 +263,24 @@ contains
       z = z0
       p = p0
       total = 0.0_dp
-      power = 1.0_dp
+      power = factor
       do i = 1, most
-         a = (x + y + z + 2.0_dp*p)/5.0_dp
+         a = 1.6_dp*(0.125_dp*x + 0.125_dp*y + 0.125_dp*z + 0.25_dp*p)
          if (max(abs(a - x), abs(a - y), abs(a - z), abs(a - p)) < close_enough*a) exit
-         lambda = sqrt(x)*(sqrt(y) + sqrt(z)) + sqrt(y)*sqrt(z)
+         lambda = quarter_lambda(x, y, z)
          sx = sqrt(p) + sqrt(x)
          sy = sqrt(p) + sqrt(y)
          sz = sqrt(p) + sqrt(z)
-         q = 2.0_dp*(sqrt(p)/sx)*((p/sy + lambda/sy)/sz) ! Carlson's 1 + e_n, without cancellation
+         ! Carlson's 1 + e_n, without cancellation
+         q = 2.0_dp*(sqrt(p)/sx)*((p/sy + 4.0_dp*(lambda/sy))/sz)
          total = total + ((power/sx)/sy)/sz*rc_sum(1.0_dp, q)
          power = 0.25_dp*power
-         x = 0.25_dp*(x + lambda)
-         y = 0.25_dp*(y + lambda)
-         z = 0.25_dp*(z + lambda)
-         p = 0.25_dp*(p + lambda)
+         x = 0.25_dp*x + lambda
+         y = 0.25_dp*y + lambda
+         z = 0.25_dp*z + lambda
+         p = 0.25_dp*p + lambda
       end do
-      r = power*degree_3_2(a, (a - x)/a, (a - y)/a, (a - z)/a, (a - p)/a) + 6.0_dp*total
+      r = degree_3_2(power, a, (a - x)/a, (a - y)/a, (a - z)/a, (a - p)/a) + 6.0_dp*total
    end function rj_sum
 
 end module poinsot_elliptic_carlson

@@ -9,7 +9,7 @@ module poinsot_elliptic_complete
    use poinsot_elliptic_carlson, only: carlson_rd, carlson_rf, carlson_rj
    implicit none(type, external)
    private
-   public :: complete_k, complete_e, complete_pi, complete_parameter
+   public :: complete_k, complete_e, complete_pi, complete_parameter, parameter_of
 
    real(dp), parameter :: half_pi = 1.5707963267948966_dp
 
@@ -56,8 +56,8 @@ contains
       real(dp), intent(in) :: n            !! characteristic, < 1, any negative value too
       real(dp), intent(in) :: m            !! parameter, in [0, 1)
       real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it; > 0
-      real(dp), parameter :: far = -1.0e40_dp
-      real(dp) :: b, q, part
+      real(dp), parameter :: far = -1.0e40_dp, up = 2.0_dp**200, root_up = 2.0_dp**100
+      real(dp) :: b, p, q, part, better
       b = complete_parameter(m, m1)
       r = b
       if (.not. ieee_is_finite(b)) return
@@ -67,15 +67,21 @@ contains
       r = carlson_rf(0.0_dp, b, 1.0_dp)
       if (n >= 0.0_dp) then
          r = r + n*carlson_rj(0.0_dp, b, 1.0_dp, 1.0_dp - n)/3.0_dp
-      else ! Abramowitz and Stegun 17.7.17: the other characteristic q, positive terms again
-         q = (m - n)/(1.0_dp - n)
-         if (n > far) then
-            part = (b/(1.0_dp - n))*(r + q*carlson_rj(0.0_dp, b, 1.0_dp, b/(1.0_dp - n))/3.0_dp)
-         else ! p R_J(0, b, 1, p) = 3/2 pi sqrt(p/b) (1 - O(sqrt(p/b)))
-            part = (b/(1.0_dp - n))*r + q*(half_pi/sqrt(1.0_dp - n))
-         end if
-         r = (m/(m - n))*r + ((-n)/(m - n))*part
+         return
       end if
+      ! Abramowitz and Stegun 17.7.17: the other characteristic q, positive terms again
+      better = parameter_of(m, b)
+      q = (better - n)/(1.0_dp - n)
+      p = b/(1.0_dp - n)
+      if (n < far) then ! p R_J(0, b, 1, p) = 3/2 pi sqrt(p/b) (1 - O(sqrt(p/b)))
+         part = half_pi/sqrt(1.0_dp - n)
+      else if (b < 1.0e-200_dp) then ! p might be subnormal
+         part = root_up*((up*b)/(1.0_dp - n)) &
+            *carlson_rj(0.0_dp, up*b, up, (up*b)/(1.0_dp - n))/3.0_dp
+      else
+         part = p*carlson_rj(0.0_dp, b, 1.0_dp, p)/3.0_dp
+      end if
+      r = (better/(better - n))*r + ((-n)/(better - n))*(p*r + q*part)
    end function complete_pi
 
    !> 1 - m, the given or the computed one; NaN if either is out of the domain.
@@ -93,5 +99,13 @@ contains
          b = 1.0_dp - m
       end if
    end function complete_parameter
+
+   !> m, the given one or the one that goes with 1 - m, whichever is known better.
+   elemental real(dp) function parameter_of(m, b) result(better)
+      real(dp), intent(in) :: m !! as given
+      real(dp), intent(in) :: b !! of `complete_parameter`
+      better = m
+      if (b < 0.5_dp) better = 1.0_dp - b
+   end function parameter_of
 
 end module poinsot_elliptic_complete

@@ -2,7 +2,7 @@
 !>
 !> Elemental and array forms, of m and of m1 = 1 - m, so that m1 = 1e-300 still means something.
 !> Both forms run the same block kernel and give the same bits, wherever an element stands; the
-!> array forms are the fast ones. Error of sn, cn, dn at most 1e-15 for |u| <= 1e6, that of am 1e-15
+!> array forms are the fast ones. Error of sn, cn, dn at most 1e-15 max(1, |u|/50), that of am 1e-15
 !> (1 + |am|). An element whose u, m or m1 is out of its domain, infinite or NaN gives NaN, without
 !> an exception; so does every element while the thread does not round to nearest.
 module poinsot_elliptic_jacobi

@@ -8,7 +8,8 @@ module poinsot_elliptic_legendre
    use poinsot_core_kinds, only: dp
    use poinsot_core_libm, only: arctangent, cosine, sine
    use poinsot_elliptic_carlson, only: carlson_rc, carlson_rd, carlson_rf, carlson_rj
-   use poinsot_elliptic_complete, only: complete_e, complete_k, complete_parameter, complete_pi
+   use poinsot_elliptic_complete, only: complete_e, complete_k, complete_parameter, complete_pi, &
+      parameter_of
    implicit none(type, external)
    private
    public :: legendre_f, legendre_e, legendre_pi
@@ -40,7 +41,7 @@ contains
       real(dp) :: s, c, turns, b
       call reduce(phi, m, m1, s, c, turns, b, r)
       if (.not. ieee_is_finite(r)) return
-      r = e_part(s, c, m, b)
+      r = e_part(s, c, parameter_of(m, b), b)
       if (abs(turns) > 0.0_dp) r = r + turns*(2.0_dp*complete_e(m, m1))
    end function legendre_e
 
@@ -53,7 +54,7 @@ contains
       real(dp) :: s, c, turns, b
       call reduce(phi, m, m1, s, c, turns, b, r)
       if (.not. ieee_is_finite(r)) return
-      r = pi_part(n, s, c, m, b)
+      r = pi_part(n, s, c, parameter_of(m, b), b)
       if (abs(turns) > 0.0_dp) r = r + turns*(2.0_dp*complete_pi(n, m, m1))
    end function legendre_pi
 
@@ -74,7 +75,7 @@ contains
       real(dp), intent(in), optional :: m1 !! 1 - m, if known better than m gives it
       real(dp) :: c, b
       call cosine_of(s, m, m1, c, b, r)
-      if (ieee_is_finite(r)) r = e_part(s, c, m, b)
+      if (ieee_is_finite(r)) r = e_part(s, c, parameter_of(m, b), b)
    end function legendre_e_sine
 
    !> Pi of the amplitude whose sine is given.
@@ -87,7 +88,7 @@ contains
       call cosine_of(s, m, m1, c, b, r)
       if (.not. ieee_is_finite(r)) return
       if (abs(s) < 1.0_dp) then
-         r = pi_part(n, s, c, m, b)
+         r = pi_part(n, s, c, parameter_of(m, b), b)
       else
          r = s*complete_pi(n, m, m1)
       end if
@@ -136,7 +137,6 @@ contains
       real(dp), intent(in) :: phi, m
       real(dp), intent(in), optional :: m1
       real(dp), intent(out) :: s, c, turns, b, r
-      real(dp) :: rest
       s = 0.0_dp
       c = 1.0_dp
       turns = 0.0_dp
@@ -147,25 +147,19 @@ contains
       if (.not. ieee_is_finite(phi)) return
       if (abs(phi) > largest) return
       turns = anint(phi/pi)
-      rest = phi
-      if (abs(turns) > 0.0_dp) rest = mod_pi(phi, turns)
-      s = sine(rest)
-      c = cosine(rest)
-      if (c < 0.0_dp) then
+      s = sine(phi)
+      c = cosine(phi)
+      if (modulo(turns, 2.0_dp) > 0.0_dp) then
+         s = -s
+         c = -c
+      end if
+      if (c < 0.0_dp) then ! phi/pi was rounded across a half
          turns = turns + sign(1.0_dp, s)
          s = -s
          c = -c
       end if
       r = 0.0_dp
    end subroutine reduce
-
-   !> phi - turns pi, the first two products exact up to a million turns.
-   elemental real(dp) function mod_pi(phi, turns) result(rest)
-      real(dp), intent(in) :: phi, turns
-      real(dp), parameter :: part1 = 3.1415926534682512_dp, part2 = 1.2154201012607932e-10_dp
-      real(dp), parameter :: part3 = 4.044532497591901e-21_dp
-      rest = ((phi - turns*part1) - turns*part2) - turns*part3
-   end function mod_pi
 
    !> Cosine (not negative) of the amplitude of a sine; r is NaN out of the domain, else 0.
    elemental subroutine cosine_of(s, m, m1, c, b, r)

@@ -6,7 +6,8 @@
 module poinsot_rotation_quaternion
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
-   use poinsot_core_libm, only: arctangent, cosine, exponential, logarithm, sine
+   use poinsot_core_libm, only: arctangent, cosine, exponential, logarithm, &
+      logarithm_1p, sine
    use poinsot_core_status, only: poinsot_e_domain
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_rotation_vector, only: cross, largest_exponent, perpendicular, unit_vector, &
@@ -146,13 +147,30 @@ contains
       if (maxval(abs(q)) <= 0) return
       e = largest_exponent(q)
       if (abs(e) < 1000) e = 0
-      r(1) = logarithm(quaternion_norm(scale(q, -e))) + e*ln2
+      r(1) = log_of_norm(scale(q, -e)) + e*ln2
       if (maxval(abs(q(2:4))) > 0) then
          r(2:4) = arctangent(vector_norm(scale(q(2:4), -e)), scale(q(1), -e))*unit_vector(q(2:4))
       else if (q(1) < 0) then
          r(2) = pi
       end if
    end function quaternion_log
+
+   !> log|q|, of full precision for |q| near 1 too.
+   pure real(dp) function log_of_norm(q) result(r)
+      real(dp), intent(in) :: q(4) !! not zero, |q| in range
+      real(dp) :: big, rest(4)
+      integer :: k
+      r = quaternion_norm(q)
+      if (abs(r - 1) > 0.1_dp) then
+         r = logarithm(r)
+      else
+         k = maxloc(abs(q), dim=1)
+         big = abs(q(k))
+         rest = q
+         rest(k) = 0
+         r = logarithm_1p((big - 1)*(big + 1) + sum(rest**2))/2
+      end if
+   end function log_of_norm
 
    !> Constant turn from p (t = 0) to q (t = 1) the shorter way round, whatever the signs of p and q
    !> (K. Shoemake, SIGGRAPH 1985). t outside [0, 1] goes on turning, however small the angle
