@@ -26,7 +26,7 @@ module poinsot_body_inertia
    integer, parameter :: least_exponent = -1000, greatest_exponent = 1000
 
    interface
-      !> LAPACK: eigenvalues, ascending, and eigenvectors of a symmetric matrix. Integers of 8 bytes
+      !> Of LAPACK, eigenvalues, ascending, and eigenvectors of a symmetric matrix. 8-byte integers
       !> are read right by a library of 4-byte integers too (their lower half comes first), and a
       !> host may have brought one of 8-byte integers; `info`, of which the former writes half, is 0
       !> before the call.

@@ -14,7 +14,7 @@ module poinsot_rotation_nearest
    real(dp), parameter :: orthogonal_tolerance = 4e-6_dp
 
    interface
-      !> LAPACK: singular value decomposition A = U diag(s) V^T. Integers of 8 bytes are read right
+      !> Of LAPACK, singular value decomposition A = U diag(s) V^T. 8-byte integers are read right
       !> by a library of 4-byte integers too (their lower half comes first), and a host may have
       !> brought one of 8-byte integers; `info`, of which the former writes half, is 0 before the
       !> call.
