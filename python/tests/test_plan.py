@@ -37,7 +37,7 @@ def test_heavy_top():
     y, q = plan.step(*start(), 0.02, steps=500)
     assert abs(y - top_end).max() < 1e-11
     kinetic, potential = plan.energy(y, q)
-    assert abs(kinetic + potential - 4.205) < 1e-14
+    assert abs(kinetic + potential - 4.205) < 1e-14*4.205  # 15 kicks a step, 500 steps, plain sums
     assert abs(plan.momentum(y, q)[2] + 0.9) < 1e-14
 
 
