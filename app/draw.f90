@@ -24,8 +24,8 @@ contains
       call find_shared("plots", plots)
       if (len(plots) == 0) then
          if (.not. scripts_only) call print_error("no pictures: their scripts, " // &
-            "share/poinsot/plots, are not beside this program; name the folder share/poinsot in " // &
-            "POINSOT_SHARE")
+            "share/poinsot/plots, are not beside this program; name the folder " // &
+            "share/poinsot in POINSOT_SHARE")
          return
       end if
       do i = 1, size(names)

@@ -39,7 +39,8 @@ module poinsot
    use poinsot_ensemble_observe, only: body_energies, body_momenta, &
       poinsot_degrees_of_freedom => total_degrees_of_freedom
    use poinsot_ensemble_compose, only: make_ready
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, class_axes, set_option, &
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, class_axes, &
+      set_option, &
       add_effect, add_ready_effect
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
@@ -113,7 +114,8 @@ contains
       type(poinsot_body), intent(inout) :: body
       real(dp), intent(inout) :: axes(3, 3)         !! x_given = matmul(axes, x_principal)
       type(poinsot_error), intent(inout) :: error
-      logical, intent(in), optional :: physical     !! .false.: any moments that are zero or positive
+      logical, intent(in), optional :: physical
+      !! .false.: any moments that are zero or positive
       real(dp) :: moments(3)
       if (.not. admitted(error)) return
       call principal_axes(inertia, moments, axes, error, physical)
@@ -268,7 +270,8 @@ contains
       if (.not. raised(error)) call add_effect(plan, name, list, error)
    end subroutine add_named_effect
 
-   !> Add an effect of an own type, an extension of poinsot_user_torque or poinsot_user_potential in a
+   !> Add an effect of an own type, an extension of poinsot_user_torque or poinsot_user_potential
+   !> in a
    !> variable `class(poinsot_effect), allocatable`. It moves into the plan.
    subroutine add_own_effect(plan, own, error)
       type(poinsot_plan), intent(inout) :: plan

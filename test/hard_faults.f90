@@ -275,7 +275,8 @@ contains
          view%status => each
          view%carry => carry
          call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
-         call check(error, status == poinsot_e_partial .and. each(35) == merge(poinsot_e_not_finite, poinsot_e_domain, k <= 7) &
+         call check(error, status == poinsot_e_partial .and. &
+            each(35) == merge(poinsot_e_not_finite, poinsot_e_domain, k <= 7) &
             .and. count(each /= 0) == 1 &
             .and. same_bits(all%y(:, [35]), start%y(:, [35])), "a carry that is none is taken")
          if (allocated(error)) return

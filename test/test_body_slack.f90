@@ -1,4 +1,5 @@
-!> Room body: moments and tensors as people have them, with few digits; what is taken, what becomes of
+!> Room body: moments and tensors as people have them, with few digits; what is taken, what becomes
+!> of
 !> it, what is refused and how; and that the motion is right for what is taken.
 module test_body_slack
    use testdrive, only: new_unittest, unittest_type, error_type
@@ -169,7 +170,8 @@ contains
          do k = 1, size(orders, 2)
             call make_class(taken(orders(:, k), i), class, refusal, physical=.false.)
             call accepted(error, refusal)
-            call within(error, maxval(abs(class%moments - taken(orders(:, k), i))), 0._dp, "as given")
+            call within(error, maxval(abs(class%moments - taken(orders(:, k), i))), 0._dp, &
+               "as given")
             call make_class(taken(orders(:, k), i), class, refusal, physical=.true.)
             call expect(error, raised(refusal), "physical = .true. takes what no body has")
             call refusal%clear()
@@ -268,7 +270,8 @@ contains
       end do
    end subroutine test_moved
 
-   !> Which smallest moment of a tensor is zero: with many digits from -1e-6 to 1e-10 of the largest,
+   !> Which smallest moment of a tensor is zero: with many digits from -1e-6 to 1e-10 of the
+   !> largest,
    !> with few to 1e-6; a diagonal tensor's is what it says.
    subroutine test_zero_moments(error)
       type(error_type), allocatable, intent(out) :: error
@@ -307,7 +310,8 @@ contains
          real(dp), intent(in) :: least
          type(poinsot_error) :: refusal
          real(dp) :: moments(3), axes(3, 3)
-         call principal_axes(tensor_of_axes([1._dp, least, 1._dp], identity_matrix), moments, axes, &
+         call principal_axes(tensor_of_axes([1._dp, least, 1._dp], identity_matrix), moments, &
+            axes, &
                              refusal)
          call accepted(error, refusal)
          call within(error, moments(1) - least, 0._dp, "smallest moment of a diagonal tensor")
@@ -335,7 +339,8 @@ contains
       call refused(error, refusal, poinsot_e_domain, "I1 is negative, by 9.00e-07 of the largest")
       tensor = tensor_of_axes([.3_dp, .4_dp, 1._dp], to_matrix(random_quaternion(seed, 5_i8)))
       call principal_axes(tensor, moments, axes, refusal)
-      call refused(error, refusal, poinsot_e_domain, "I3 exceeds the sum of the other two by 3.00e-01")
+      call refused(error, refusal, poinsot_e_domain, &
+         "I3 exceeds the sum of the other two by 3.00e-01")
       call principal_axes(tensor, moments, axes, refusal, physical=.false.)
       call accepted(error, refusal)
       call within(error, maxval(abs(moments - [.3_dp, .4_dp, 1._dp])), 4*eps, "not physical")
@@ -345,7 +350,8 @@ contains
    !> methods against a Taylor series in quadruple precision.
    subroutine test_motion(error)
       type(error_type), allocatable, intent(out) :: error
-      real(dp), parameter :: bodies(3, 5) = reshape([1.022_dp, 1.920_dp, 2.9421_dp, 2._dp, 3.0029_dp, &
+      real(dp), parameter :: bodies(3, 5) = reshape([1.022_dp, 1.920_dp, 2.9421_dp, 2._dp, &
+         3.0029_dp, &
          1._dp, 1e-2_dp, 1.0005_dp, 1._dp, 1e-3_dp, 1._dp, 1.0019_dp, 1e-4_dp, 1._dp, 1.001_dp], &
          [3, 5])
       real(dp), parameter :: steps(3) = [0.1_dp, 0.7_dp, 4._dp]

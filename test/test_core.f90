@@ -65,7 +65,8 @@ contains
       end do
       call check(error, suggestion("heavytop", known), "; the nearest known one is 'heavy-top'")
       if (allocated(error)) return
-      call check(error, suggestion("sceen", known, "&<", ">"), "; the nearest known one is &<scene>")
+      call check(error, suggestion("sceen", known, "&<", ">"), &
+         "; the nearest known one is &<scene>")
       if (allocated(error)) return
       call check(error, suggestion("nosuch", known), "")
    end subroutine test_suggestions

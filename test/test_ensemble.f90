@@ -4,7 +4,8 @@ module test_ensemble
    use testdrive, only: new_unittest, unittest_type, error_type, check
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_domain, poinsot_e_not_unit, &
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_domain, &
+      poinsot_e_not_unit, &
       poinsot_e_method, poinsot_e_partial, poinsot_e_size
    use poinsot_effect_registry, only: effect_count, effect_name, effect_names
    use poinsot_effect_settings, only: setting

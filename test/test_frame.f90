@@ -81,7 +81,8 @@ contains
       end do
    end subroutine start
 
-   !> Settings of an effect that leave no key of a required kind or frame at rest; but axes that have
+   !> Settings of an effect that leave no key of a required kind or frame at rest; but axes that
+   !> have
    !> a default keep it.
    subroutine some_settings(info, settings)
       type(effect_info), intent(in) :: info
@@ -135,7 +136,8 @@ contains
          call make_ready(given, problem)
          call make_ready(principal, problem)
          call check(error, .not. raised(problem), trim(info%name))
-         if (.not. allocated(error)) call same_motion(given, principal, axes, trim(info%name), error)
+         if (.not. allocated(error)) call same_motion(given, principal, axes, trim(info%name), &
+            error)
          if (allocated(error)) return
       end do
    end subroutine test_every_effect
@@ -291,7 +293,8 @@ contains
       end do
       call add_tensor_class(plan, tensor, number, problem)
       call class_axes(plan, 1, axes, problem)
-      call check(error, .not. raised(problem) .and. all(plan%classes(1)%moments == moments(3:1:-1)) &
+      call check(error, .not. raised(problem) .and. &
+         all(plan%classes(1)%moments == moments(3:1:-1)) &
                  .and. all(axes == unit_matrix()), "diagonal")
       if (allocated(error)) return
       call class_axes(plan, 2, axes, problem)
@@ -468,7 +471,8 @@ contains
       call check(error, problem%code, poinsot_e_domain, "a rotor beyond 1e70")
    end subroutine test_wheel_fast
 
-   !> Up to 1e-6 of |y| it is dropped, in the caller's array too, whatever its variable; beyond it is
+   !> Up to 1e-6 of |y| it is dropped, in the caller's array too, whatever its variable; beyond it
+   !> is
    !> refused with a status of its own.
    subroutine test_axis(error)
       type(error_type), allocatable, intent(out) :: error
@@ -494,14 +498,16 @@ contains
          call view_rows(y, q, view)
          view%status => each
          call drift_bodies(plan, view, 0.1_dp, status, problem)
-         call check(error, all(each == [poinsot_ok, poinsot_e_axis_momentum, poinsot_ok]), names(form))
+         call check(error, all(each == [poinsot_ok, poinsot_e_axis_momentum, poinsot_ok]), &
+            names(form))
          if (allocated(error)) return
          axis = [1.0_dp, 0.0_dp, 0.0_dp]
          a = to_matrix(q(:, 1))
          if (form == 2) axis = a(:, 1)
          call check(error, abs(sum(axis*y(:, 1))) < 1e-15_dp, names(form)//" keeps it")
          if (allocated(error)) return
-         if (form == 2) call check(error, all(y(:, 3) == before), "a momentum that is kept, changed")
+         if (form == 2) call check(error, all(y(:, 3) == before), &
+            "a momentum that is kept, changed")
          if (allocated(error)) return
       end do
    end subroutine test_axis

@@ -347,7 +347,8 @@ contains
       call check(error, .not. raised(failure), "refused")
       if (allocated(error)) return
       part = get_piece(scene, 1_i8)
-      call check(error, part%steps == 1000000000001_i8 .and. part%h <= 1, "a longer step than asked")
+      call check(error, part%steps == 1000000000001_i8 .and. part%h <= 1, &
+         "a longer step than asked")
       if (allocated(error)) return
       call check(error, abs(part%steps*part%h - part%to) <= 1e-3_dp, "steps do not end at t_end")
       if (allocated(error)) return

@@ -142,7 +142,8 @@ contains
          if (names(i) == "trajectory.xyz") then
             call accepted(error, failure)
          else
-            call refused(error, failure, poinsot_e_io, trim(names(i)) // ": this run would replace it")
+            call refused(error, failure, poinsot_e_io, trim(names(i)) // &
+               ": this run would replace it")
          end if
          call still_mine(error, output // "own/" // trim(names(i)))
       end do
@@ -153,13 +154,15 @@ contains
       call still_mine(error, output // "own/summary.txt")
    end subroutine test_own_files
 
-   !> What an earlier run wrote goes, even if this one writes no such file; also that of a run that was
+   !> What an earlier run wrote goes, even if this one writes no such file; also that of a run that
+   !> was
    !> killed, and of version 0.1, whose summary had no list.
    subroutine test_earlier_files(error)
       type(error_type), allocatable, intent(out) :: error
       type(poinsot_error) :: failure
       call empty_folder("earlier")
-      call run_text(quiet // "&output every=0.5, format='csv+extxyz', restart='my state' /", "earlier", &
+      call run_text(quiet // "&output every=0.5, format='csv+extxyz', restart='my state' /", &
+         "earlier", &
                     failure)
       call accepted(error, failure)
       call put_text(output // "earlier/notes.txt", "mine")
@@ -336,6 +339,7 @@ contains
       character(:), allocatable :: text
       call empty_folder("told")
       call run_text("&scene t_end=1 h=0.3 /" // body // "&bodies tensor=1,0,0,0,0.6,0,0,0,0.8 /" // &
+         &
                     "&bodies tensor=0.8,0.2,0,0.2,0.8,0,0,0,1.5 /" // &
                     "&output every=0.02 restart='' pictures='none' /", "told", failure)
       call accepted(error, failure)
@@ -356,7 +360,8 @@ contains
       call run_text("&scene t_end=1 /" // body, "told", failure)
       call get_text(output // "told/summary.txt", text)
       call holds("step h                1.0, from output to output" // nl)
-      call run_text("&scene t_end=1 h=0.1 /" // body // "&torque times=0,0.3,0.55 table=9*0 /", "told", &
+      call run_text("&scene t_end=1 h=0.1 /" // body // "&torque times=0,0.3,0.55 table=9*0 /", &
+         "told", &
                     failure)
       call get_text(output // "told/summary.txt", text)
       call holds("order at knots        2: the table of &torque has a knot at t = 0.55, within a step")
@@ -378,7 +383,8 @@ contains
       type(hasty) :: watch
       character(:), allocatable :: text
       call empty_folder("unmeasured")
-      call run_text("&scene t_end=1 h=0.1 /" // body // "&output times=0.5 /", "unmeasured", failure, &
+      call run_text("&scene t_end=1 h=0.1 /" // body // "&output times=0.5 /", "unmeasured", &
+         failure, &
                     watch=watch)
       call accepted(error, failure)
       call get_text(output // "unmeasured/summary.txt", text)
@@ -399,11 +405,13 @@ contains
       real(dp) :: nan, zero(2)
       integer :: code
       nan = ieee_value(nan, ieee_quiet_nan)
-      call expect(error, ieee_is_nan(larger(nan, 1._dp)) .and. ieee_is_nan(larger(1._dp, nan)), "larger")
+      call expect(error, ieee_is_nan(larger(nan, 1._dp)) .and. ieee_is_nan(larger(1._dp, nan)), &
+         "larger")
       call within(error, larger(-1._dp, -2._dp) + 1, 0._dp, "larger of two numbers")
       call expect(error, ieee_is_nan(largest_of([1._dp, nan, 3._dp])), "largest of three")
       call within(error, largest_of([1._dp, 3._dp, 2._dp]) - 3, 0._dp, "largest of numbers")
-      call scan_source("&scene t_end=1 h=0.1 /" // "&bodies moments=1,1,1 y=1,0,0 count=2 /", "t.nml", &
+      call scan_source("&scene t_end=1 h=0.1 /" // "&bodies moments=1,1,1 y=1,0,0 count=2 /", &
+         "t.nml", &
                        source, failure)
       call build_scene(source, scene, failure)
       call first_states(scene, states, failure)
@@ -433,7 +441,8 @@ contains
       call taken(rows // achar(26))
       call taken(rows // achar(26) // nl // "what is behind it")
       call taken("0 1 2 3" // nl // "1 4 5 6" // achar(26))
-      call none(mark // "t,tx,ty,tz" // nl // "t,tx,ty,tz" // nl // rows, """t"" is not a finite number")
+      call none(mark // "t,tx,ty,tz" // nl // "t,tx,ty,tz" // nl // rows, &
+         """t"" is not a finite number")
       call none(rows // "t,tx,ty,tz" // nl, """t"" is not a finite number")
       call none("t 1 2 3" // nl // rows, """t"" is not a finite number")
       call none(mark, "holds no rows")
@@ -455,7 +464,8 @@ contains
          if (raised(failure)) return
          call expect(error, size(times) == 2 .and. size(values) == 6, "rows")
          if (size(times) /= 2) return
-         call within(error, maxval(abs(times - [0, 1])) + maxval(abs(values - [1, 2, 3, 4, 5, 6])), &
+         call within(error, maxval(abs(times - [0, 1])) + maxval(abs(values - [1, 2, 3, 4, 5, &
+            6])), &
                      0._dp, "numbers")
       end subroutine taken
 
@@ -490,14 +500,16 @@ contains
       call taken("moments=0,1,1.00000000001 y=0.9e-6,1,0 /")
       call within(error, scene%bodies(1)%y(1), 0._dp, "momentum where nothing can turn")
       call none("moments=0,1,1 y=1.1e-6,1,0 /", "about principal axis 1")
-      call none("moments=0.604636,1.160852,1.817004 /", "I3 exceeds the sum of the other two by 2.84e-02")
+      call none("moments=0.604636,1.160852,1.817004 /", &
+         "I3 exceeds the sum of the other two by 2.84e-02")
       call none("moments=0.604636,1.160852,1.817004 physical=.true. /", "I3 exceeds")
       call none("moments=1,1,1 physical='maybe' /", """maybe"" is neither .true. nor .false.")
       call none("moments=1,1,1 physical=1 /", """1"" is neither .true. nor .false.")
       call taken("moments=0.604636,1.160852,1.817004 physical=.false. /")
       call taken("moments=0.604636,1.160852,1.817004 physical=F /")
       call taken("tensor=0.604636,0,0,0,1.160852,0,0,0,1.817004 physical=f /&bodies moments=1,1,1 /")
-      call none("moments=0.604636,1.160852,1.817004 physical=F /&bodies moments=1,1,3 /", "I3 exceeds")
+      call none("moments=0.604636,1.160852,1.817004 physical=F /&bodies moments=1,1,3 /", &
+         "I3 exceeds")
       ! noise on processed momenta is another temperature's
       call taken("moments=1,1.2,1.5 /&langevin friction=1, temperature=1 /&gravity centre=0,0,1 /")
       call none("moments=1,1.2,1.5 /&langevin friction=1, temperature=1 /&gravity centre=0,0,1 /", &
@@ -509,7 +521,8 @@ contains
          character(*), intent(in), optional :: more
          type(scene_source) :: source
          if (present(more)) then
-            call scan_source("&scene t_end=1 h=0.1 " // more // "/&bodies " // text, "test.nml", source, &
+            call scan_source("&scene t_end=1 h=0.1 " // more // "/&bodies " // text, "test.nml", &
+               source, &
                              failure)
          else
             call scan_source(first // text, "test.nml", source, failure)

@@ -148,7 +148,8 @@ contains
       character(:), allocatable, intent(out) :: text
       integer :: unit, length, code
       text = ""
-      open (newunit=unit, file=path, access="stream", form="unformatted", action="read", iostat=code)
+      open (newunit=unit, file=path, access="stream", form="unformatted", action="read", &
+         iostat=code)
       if (code /= 0) return
       inquire (unit=unit, size=length)
       deallocate (text)

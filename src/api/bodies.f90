@@ -15,8 +15,10 @@ module poinsot_api_bodies
 
 contains
 
-   !> Open what a C caller handed over. A struct of an earlier version lacks members, which are zero;
-   !> one longer than ours, from a newer header, is taken if its end is zero: then it asks for nothing
+   !> Open what a C caller handed over. A struct of an earlier version lacks members, which are
+   !> zero;
+   !> one longer than ours, from a newer header, is taken if its end is zero: then it asks for
+   !> nothing
    !> that we do not know.
    subroutine open_bodies(bodies, view, error)
       type(c_ptr), intent(in) :: bodies            !! const poinsot_bodies *

@@ -11,7 +11,8 @@ module poinsot_api_plan
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_compose, only: make_ready
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, class_axes, set_option, &
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, class_axes, &
+      set_option, &
       add_effect
    use poinsot_ensemble_step, only: check_ready
    implicit none(type, external)

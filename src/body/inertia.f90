@@ -13,11 +13,13 @@ module poinsot_body_inertia
    private
    public :: principal_axes, is_diagonal, point_mass_tensor, parallel_axis, tensor_of_axes
 
-   !> How far a tensor may be from symmetric, relative to its largest entry: what single precision and
+   !> How far a tensor may be from symmetric, relative to its largest entry: what single precision
+   !> and
    !> decimals in a file lose.
    real(dp), parameter :: symmetry_tolerance = 1e-6_dp
 
-   !> Eigenvalues of a tensor that count as zero, relative to the largest: either side if its entries
+   !> Eigenvalues of a tensor that count as zero, relative to the largest: either side if its
+   !> entries
    !> have few digits, else what rounding and cancelled decimals leave.
    real(dp), parameter :: zero_of_few_digits = 1e-6_dp
    real(dp), parameter :: least_zero = -1e-6_dp, greatest_zero = 1e-10_dp

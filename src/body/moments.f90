@@ -28,7 +28,8 @@ module poinsot_body_moments
    !> eigenvalues stay within.
    real(dp), parameter :: moment_tolerance = 32*epsilon(1._dp)
 
-   !> By how much, relative to itself, a largest moment may exceed the sum of the others: moments with
+   !> By how much, relative to itself, a largest moment may exceed the sum of the others: moments
+   !> with
    !> three digits.
    real(dp), parameter :: triangle_slack = 1e-3_dp
 
@@ -42,9 +43,12 @@ contains
    !> they come from.
    !>
    !> Beside a zero moment the other two become their mean if they differ by up to 1e-5: a linear
-   !> body. (With more, up to where they are refused, Euler's equations have no solution, and the mean
-   !> is what remains; beside one of less than 1e-10 their difference turns the body about its line as
-   !> no body turns.) A largest moment may exceed the sum of the others by 1e-3 of itself and is used
+   !> body. (With more, up to where they are refused, Euler's equations have no solution, and the
+   !> mean
+   !> is what remains; beside one of less than 1e-10 their difference turns the body about its line
+   !> as
+   !> no body turns.) A largest moment may exceed the sum of the others by 1e-3 of itself and is
+   !> used
    !> as it is: Euler's equations do not need the inequality. No other moment is changed by a bit.
    pure subroutine accept_moments(moments, error, physical)
       real(dp), intent(inout) :: moments(3)       !! principal moments, any order, any unit

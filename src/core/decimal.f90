@@ -1,4 +1,5 @@
-!> Numbers as text, fast: 17 significant digits, correctly rounded, so that every double reads back to
+!> Numbers as text, fast: 17 significant digits, correctly rounded, so that every double reads back
+!> to
 !> its bits. The Fortran run-time library takes twenty times as long for the same characters.
 !>
 !> x 10^p with p chosen so that 17 digits stand before the point, in a sum of two doubles (about 104
@@ -16,7 +17,7 @@ module poinsot_core_decimal
    integer(i8), parameter :: ten_16 = 10000000000000000_i8, ten_17 = 10*ten_16
    integer(i8), parameter :: ten_8 = 100000000_i8
    real(dp), parameter :: doubtful = 2.0_dp**(-40)  !! of the last digit, about one half
-   integer :: i_
+   integer :: i_, j_
 
    !> 10^0 to 10^21, exact.
    real(dp), parameter :: small_powers(0:21) = [(10.0_dp**i_, i_=0, 21)]
@@ -50,7 +51,8 @@ module poinsot_core_decimal
       146, 219, 292, 365, 438, 511, 584, 657, 730, 803, 876, 950, 1023, 1096]
 
    !> "00" to "99".
-   character(2), parameter :: pairs(0:99) = [(achar(48 + i_/10)//achar(48 + mod(i_, 10)), i_=0, 99)]
+   character(2), parameter :: pairs(0:99) = &
+      [((achar(48 + i_)//achar(48 + j_), j_=0, 9), i_=0, 9)]
 
 contains
 

@@ -65,10 +65,11 @@ contains
    !> (Levenshtein 1966, Damerau 1964); case and trailing blanks do not count.
    pure integer function edit_distance(a, b) result(distance)
       character(*), intent(in) :: a, b !! two words
-      integer, dimension(0:len_trim(b)) :: before, row, next
+      integer, dimension(0:len_trim(b)) :: row, next
+      integer :: before(-1:len_trim(b))
       integer :: i, j
       row = [(j, j=0, len_trim(b))]
-      before = row
+      before = 0
       do i = 1, len_trim(a)
          next(0) = i
          do j = 1, len_trim(b)
@@ -78,7 +79,7 @@ contains
             if (same_letter(a(i:i), b(j - 1:j - 1)) .and. same_letter(a(i - 1:i - 1), b(j:j))) &
                next(j) = min(next(j), before(j - 2) + 1)
          end do
-         before = row
+         before(0:) = row
          row = next
       end do
       distance = row(len_trim(b))

@@ -1,4 +1,5 @@
-!> Numbers as people write them, in scene files, settings and tables, checked letter by letter before
+!> Numbers as people write them, in scene files, settings and tables, checked letter by letter
+!> before
 !> Fortran reads them: a host may run with floating-point traps on, so a text such as 1e999 must
 !> never reach the run-time library.
 module poinsot_core_number
@@ -10,7 +11,8 @@ module poinsot_core_number
 
    integer, parameter :: number_ok = 0    !! read
    integer, parameter :: number_no = 1    !! not a number
-   integer, parameter :: number_range = 2 !! a number beyond 1e307 in size, an integer beyond 64 bits, or
+   integer, parameter :: number_range = 2
+   !! a number beyond 1e307 in size, an integer beyond 64 bits, or
                                           !! not finite
 
 contains

@@ -51,7 +51,8 @@ contains
       end do
    end subroutine turn_settings
 
-   !> Vectors of an effect on several classes at once: three numbers for all classes become three for
+   !> Vectors of an effect on several classes at once: three numbers for all classes become three
+   !> for
    !> each, turned into each one's frame.
    subroutine turn_class_vectors(info, settings, axes, turned)
       type(effect_info), intent(in) :: info

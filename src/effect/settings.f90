@@ -20,7 +20,8 @@ module poinsot_effect_settings
    character(*), parameter :: body_vector = "body vector"     !! three numbers for each vector
    character(*), parameter :: class_vectors = "class vectors" !! three for all classes, or for each
    character(*), parameter :: per_axis = "per axis"           !! one number, or one for each body
-                                                              !! axis; where these are not principal,
+                                                              !! axis; where these are not
+                                                              ! principal,
                                                               !! the effect gets a matrix: nine
 
    !> One thing a user says: a key with numbers, or with a text.
@@ -39,7 +40,8 @@ module poinsot_effect_settings
       character(48) :: units = ""        !! units, or for a text the choices, separated by blanks
       character(72) :: meaning = ""
       character(16) :: frame = ""        !! one of the words above
-      character(12) :: frame_key = ""    !! a text key that may say 'space': then it is no body vector
+      character(12) :: frame_key = ""
+      !! a text key that may say 'space': then it is no body vector
    end type effect_key
 
    !> One effect as the registry shows it.

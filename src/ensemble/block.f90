@@ -269,7 +269,8 @@ contains
       sizes = max(magnitude(kinetic), magnitude(potential))
       if (maxval(sizes) < exponent_bits) return
       do l = 1, b%n
-         if (sizes(l) >= exponent_bits .and. b%status(l) == poinsot_ok) b%status(l) = poinsot_e_domain
+         if (sizes(l) >= exponent_bits .and. &
+            b%status(l) == poinsot_ok) b%status(l) = poinsot_e_domain
       end do
    end subroutine reject_energies
 

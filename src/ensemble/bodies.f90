@@ -206,7 +206,8 @@ contains
       integer :: i
       do i = 1, size(at)
          if (at(i) >= 0 .and. at(i) < rows) cycle
-         write (text, "(3a, i0, a, i0, a, i0)") "poinsot_bodies: ", what, " of body ", i - 1, " is ", &
+         write (text, "(3a, i0, a, i0, a, i0)") "poinsot_bodies: ", what, " of body ", i - 1, &
+            " is ", &
             at(i), "; there are rows 0 to ", rows - 1
          call raise(error, poinsot_e_size, trim(text))
          return

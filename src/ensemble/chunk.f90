@@ -27,7 +27,8 @@ module poinsot_ensemble_chunk
 
 contains
 
-   !> How many bodies make a chunk. The more there are, the fuller the blocks of bodies whose classes
+   !> How many bodies make a chunk. The more there are, the fuller the blocks of bodies whose
+   !> classes
    !> come in any order.
    pure integer function chunk_length(view, team)
       type(body_view), intent(in) :: view

@@ -2,7 +2,8 @@
 module poinsot_ensemble_compose
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_memory, poinsot_e_size
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_memory, &
+      poinsot_e_size
    use poinsot_body_class, only: extend_class
    use poinsot_effect_effect, only: effect, effect_item, flow_effect, pair_effect
    use poinsot_effect_frame, only: depends_on_frame, turn_settings, turn_class_vectors, &
@@ -56,7 +57,8 @@ contains
          end select
          if (plan%effects(i)%it%name == "langevin" .and. size(plan%splitting%enter) > 0) then
             call raise(error, poinsot_e_method, "splitting '"//trim(plan%splitting%name)// &
-                       "' works on processed momenta, and the noise of 'langevin' would heat them to "// &
+                       "' works on processed momenta, and the noise of 'langevin' would heat " // &
+                       "them to "// &
                        "another temperature; take one without a processor, 'strang' or 'srkn6'")
             return
          end if
@@ -141,7 +143,8 @@ contains
          if (.not. (plan%classes(c)%turned .and. framed(i))) cycle
          next = next + 1
          acting(n) = next
-         call turn_effect(plan%effects(i), to_matrix(plan%classes(c)%axes), plan%effects(next), error)
+         call turn_effect(plan%effects(i), to_matrix(plan%classes(c)%axes), plan%effects(next), &
+            error)
          if (raised(error)) return
       end do
       call extend_class(plan%classes(c), plan%method%terms)

@@ -19,7 +19,8 @@ module poinsot_ensemble_drive
    private
    public :: block_job, for_each_block
 
-   !> Something to do with a block of bodies of one class: of a plan, or, without one, all of the one
+   !> Something to do with a block of bodies of one class: of a plan, or, without one, all of the
+   !> one
    !> class given.
    type, abstract :: block_job
       type(poinsot_plan), pointer :: plan => null()

@@ -44,7 +44,8 @@ module poinsot_ensemble_plan
       logical :: coupled = .false.                !! an effect couples bodies
       ! made when the plan is closed
       type(splitting) :: free                     !! of classes without torque
-      type(class_flows), allocatable :: composed(:)  !! what acts, once for all classes that share it
+      type(class_flows), allocatable :: composed(:)
+      !! what acts, once for all classes that share it
       integer, allocatable :: composition(:)      !! (classes): which of these
       logical :: has_dissipation = .false.        !! of any class
    contains

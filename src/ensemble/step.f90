@@ -164,7 +164,8 @@ contains
          call raise(error, poinsot_e_size, &
             "a conjugate momentum has four components: y_fourth is missing")
       else if (associated(view%scale) .or. associated(view%moments(1)%of)) then
-         call raise(error, poinsot_e_method, "poinsot_bodies: scale and moments, for moments of " // &
+         call raise(error, poinsot_e_method, &
+            "poinsot_bodies: scale and moments, for moments of " // &
                     "each body's own, are not served")
       else
          call check_rows(view, error)

@@ -5,7 +5,8 @@ module poinsot_scene_bodies
    use poinsot_scene_source, only: place
    use poinsot_scene_text, only: text_of
    use poinsot_effect_gyrostat, only: gyrostat
-   use poinsot_scene_settings, only: scene_settings, body_group, random_none, random_uniform, random_thermal
+   use poinsot_scene_settings, only: scene_settings, body_group, random_none, random_uniform, &
+      random_thermal
    use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
       integer_of, reject_key
    use poinsot_rotation_quaternion, only: quaternion_product, unit_tolerance
@@ -136,13 +137,15 @@ contains
          if (bodies%moments(j) > 0 .or. abs(bodies%y(j)) <= 0) cycle
          call reject_key(group, &
                        "y", "has momentum " // text_of(vector(j)) // " about principal axis " // &
-                       text_of(j) // ", whose moment is zero; up to 1e-6 of |y| is dropped there, " // &
+                       text_of(j) // &
+                          ", whose moment is zero; up to 1e-6 of |y| is dropped there, " // &
                        "more cannot be", error)
          return
       end do
    end subroutine build_momentum
 
-   !> The rotors of gyrostats, once the effects are known: a body whose angular velocity was given has
+   !> The rotors of gyrostats, once the effects are known: a body whose angular velocity was given
+   !> has
    !> the momentum I omega + rotor.
    subroutine add_rotors(scene)
       type(scene_settings), intent(inout) :: scene   !! its effects are built

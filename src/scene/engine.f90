@@ -8,7 +8,8 @@ module poinsot_scene_engine
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_chunk, only: chunk_count, chunk_length
    use poinsot_ensemble_compose, only: make_ready
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option, add_effect, add_ready_effect
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option, add_effect, &
+      add_ready_effect
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_ensemble_observe, only: body_energies
    use poinsot_scene_text, only: text_of
@@ -65,7 +66,8 @@ contains
       if (.not. raised(error)) call set_option(this%plan, key, value, error)
    end subroutine set
 
-   !> The effect that was made when the scene was read, into the plan; made anew if its settings have
+   !> The effect that was made when the scene was read, into the plan; made anew if its settings
+   !> have
    !> changed since.
    subroutine add_to_plan(item, plan, error)
       type(effect_setting), intent(in) :: item
@@ -89,7 +91,8 @@ contains
       threads_used = 1
       !$ threads_used = merge(this%plan%threads, omp_get_max_threads(), this%plan%threads > 0)
       call look(states, view, 1, states%n)
-      threads_used = max(1, min(threads_used, chunk_count(states%n, chunk_length(view, threads_used))))
+      threads_used = max(1, min(threads_used, chunk_count(states%n, chunk_length(view, &
+         threads_used))))
    end function threads_used
 
    !> Does a body's motion depend on the others'?

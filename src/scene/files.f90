@@ -114,7 +114,8 @@ contains
       code = c_unlink(path // unfinished // c_null_char)
    end subroutine remove_file
 
-   !> The one name of a file or folder that is there: absolute, without symbolic links and dots. Empty
+   !> The one name of a file or folder that is there: absolute, without symbolic links and dots.
+   !> Empty
    !> if there is none of that name. Two names of one file are told by it, however they are written.
    function real_path(path) result(place)
       character(*), intent(in) :: path !! of the file

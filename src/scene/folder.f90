@@ -1,7 +1,9 @@
-!> The output folder of a run: locked while the run lives, and cleared of what an earlier run wrote, of
+!> The output folder of a run: locked while the run lives, and cleared of what an earlier run
+!> wrote, of
 !> nothing else. The summary lists the files of its run; a file that no summary lists is the user's.
 module poinsot_scene_folder
-   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_null_ptr, &
+      c_ptr
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene
    use poinsot_scene_files, only: file_exists, make_folder, real_path, remove_file
@@ -10,7 +12,8 @@ module poinsot_scene_folder
    use poinsot_scene_view, only: has_page, page_name
    implicit none(type, external)
    private
-   public :: folder_lock, lock_folder, unlock_folder, clear_folder, check_inputs, file_name, run_files
+   public :: folder_lock, lock_folder, unlock_folder, clear_folder, check_inputs, file_name, &
+      run_files
    public :: files_row, file_separator
 
    character(*), parameter :: files_row = "files"        !! of the summary: the marker
@@ -83,7 +86,8 @@ contains
       lock%handle = c_null_ptr
    end subroutine unlock_folder
 
-   !> A run must not replace what it reads. Error: POINSOT_E_SCENE for a restart file that lies in the
+   !> A run must not replace what it reads. Error: POINSOT_E_SCENE for a restart file that lies in
+   !> the
    !> output folder, under whatever name, and for an input that has the name of an output.
    subroutine check_inputs(scene, out, error)
       type(scene_settings), intent(in) :: scene !! the typed scene
@@ -126,9 +130,11 @@ contains
       call old_files(out // "/summary.txt", old)
       call run_files(scene, names)
       do i = 1, size(names)
-         if (is_one_of(names(i)%text, old) .or. .not. file_exists(out // "/" // names(i)%text)) cycle
+         if (is_one_of(names(i)%text, old) .or. .not. file_exists(out // "/" // &
+            names(i)%text)) cycle
          call raise(error, poinsot_e_io, out // "/" // names(i)%text // ": this run would " // &
-                    "replace it, and no earlier run wrote it; move it away, or choose another --out")
+                    "replace it, and no earlier run wrote it; move it away, or choose " // &
+                    "another --out")
          return
       end do
       ! the list is the last to go

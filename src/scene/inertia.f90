@@ -9,7 +9,8 @@ module poinsot_scene_inertia
    use poinsot_core_nearest, only: suggestion
    use poinsot_scene_text, only: quoted
    use poinsot_scene_settings, only: body_group
-   use poinsot_scene_typed_group, only: typed_group, given, flag_of, number_of, numbers_of, word_of, &
+   use poinsot_scene_typed_group, only: typed_group, given, flag_of, number_of, numbers_of, &
+      word_of, &
       reject_key
    implicit none(type, external)
    private
@@ -48,7 +49,8 @@ contains
       end if
    end subroutine find_moments
 
-   !> A full tensor; the scene's frame is then the tensor's, the library's the principal one. Entries
+   !> A full tensor; the scene's frame is then the tensor's, the library's the principal one.
+   !> Entries
    !> of a diagonal tensor are moments.
    subroutine from_tensor(group, bodies, error)
       type(typed_group), intent(in) :: group

@@ -9,7 +9,8 @@ module poinsot_scene_json
 
 contains
 
-   !> A text in quotes. Quotes, backslashes, control characters, <, > and & go as \u00XX; other bytes
+   !> A text in quotes. Quotes, backslashes, control characters, <, > and & go as \u00XX; other
+   !> bytes
    !> stay (UTF-8).
    pure function quoted_json(text) result(quoted)
       character(*), intent(in) :: text

@@ -9,7 +9,8 @@ module poinsot_scene_run
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_schedule, only: piece, piece_count, get_piece, whole_steps
    use poinsot_scene_states, only: body_states, first_states
-   use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy, couples_bodies, &
+   use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy, &
+      couples_bodies, &
       threads_used
    use poinsot_scene_communicator, only: communicator
    use poinsot_scene_drift, only: start_drift, follow_drift
@@ -379,8 +380,8 @@ contains
       if (.not. (scene%output%present .or. run%stopped)) return
       path = out // "/" // scene%output%restart
       if (.not. scene%output%present .and. file_exists(path)) then
-         call raise(error, poinsot_e_io, path // ": is there already, and no earlier run wrote " // &
-                    "it; the state of this one is not kept")
+         call raise(error, poinsot_e_io, path // ": is there already, and no earlier run " // &
+            "wrote it; the state of this one is not kept")
          return
       end if
       saved%method = report%method

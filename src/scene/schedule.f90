@@ -8,7 +8,8 @@ module poinsot_scene_schedule
    private
    public :: piece, piece_count, get_piece, whole_steps, knot_within_step, step_total, output_count
 
-   real(dp), parameter :: near = 1e-10_dp !! an output this near t_end, relative to `every`, is there
+   real(dp), parameter :: near = 1e-10_dp
+   !! an output this near t_end, relative to `every`, is there
    real(dp), parameter :: rounding = 8*epsilon(1.0_dp) !! of the times of a piece
 
    !> From one output (or the start) to the next (or the end).
@@ -57,7 +58,8 @@ contains
       if (abs(part%h - scene%h)*part%steps <= rounding*part%to) part%h = scene%h
    end function get_piece
 
-   !> How many steps no longer than h from one time to another. Of two times only rounding may make a
+   !> How many steps no longer than h from one time to another. Of two times only rounding may make
+   !> a
    !> step longer than h, never a part of a step shared out among the others.
    pure integer(i8) function whole_steps(from, to, h)
       real(dp), intent(in) :: from, to !! times, from < to
@@ -67,7 +69,8 @@ contains
       whole_steps = max(1_i8, ceiling(wished - min(rounding*(to/h), 0.01_dp), i8))
    end function whole_steps
 
-   !> The first knot of a table of torques that lies within a step: there a scheme has order 2, whatever
+   !> The first knot of a table of torques that lies within a step: there a scheme has order 2,
+   !> whatever
    !> its own. Negative if all knots are ends of steps, or beyond the run.
    pure real(dp) function knot_within_step(scene) result(knot)
       type(scene_settings), intent(in) :: scene !! the typed scene

@@ -37,7 +37,8 @@ module poinsot_scene_settings
       integer :: line = 0
       type(setting), allocatable :: settings(:)
       character(:), allocatable :: file      !! that numbers of it were read from, if any
-      class(effect), allocatable :: made      !! from these settings; whoever changes them deallocates
+      class(effect), allocatable :: made
+      !! from these settings; whoever changes them deallocates
                                               !! it
    end type effect_setting
 

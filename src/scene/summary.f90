@@ -133,7 +133,8 @@ contains
       end if
    end subroutine put_time
 
-   !> The steps that were taken, and the one that was wished if they are shorter: a step ends at every
+   !> The steps that were taken, and the one that was wished if they are shorter: a step ends at
+   !> every
    !> output.
    function step_used(wished, report) result(text)
       real(dp), intent(in) :: wished            !! 0: none
@@ -180,7 +181,8 @@ contains
                   describe_body(scene%bodies(i)%moments) // ")", error)
          if (.not. scene%bodies(i)%turned) cycle
          do j = 1, 3
-            call row(file, name // "  axis " // text_of(j), text_of(scene%bodies(i)%axes(:, j) + 0.0_dp), error)
+            call row(file, name // "  axis " // text_of(j), text_of(scene%bodies(i)%axes(:, &
+               j) + 0.0_dp), error)
          end do
       end do
    end subroutine put_bodies

@@ -1,5 +1,7 @@
-!> Tables of numbers from a text file: a line has a time and some values; # or ! begins a comment. What
-!> other programs put around a table does no harm: a byte order mark, one line of headings, a Ctrl-Z.
+!> Tables of numbers from a text file: a line has a time and some values; # or ! begins a comment.
+!> What
+!> other programs put around a table does no harm: a byte order mark, one line of headings, a
+!> Ctrl-Z.
 module poinsot_scene_table
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised

@@ -128,7 +128,8 @@ contains
       else if (value%kind == value_logical) then
          item%text = trim(merge(".true. ", ".false.", value%flag))
       else
-         call reject_key(typed, item%key, "= " // quoted(value%text) // " is neither .true. nor " // &
+         call reject_key(typed, item%key, "= " // quoted(value%text) // &
+            " is neither .true. nor " // &
                          ".false.", error)
       end if
    end subroutine convert_logical

@@ -259,7 +259,8 @@ contains
       type(poinsot_error), intent(inout) :: error
       character(*), parameter :: words(4) = [character(8) :: "energy", "rotating", "length", &
                                              "vertical"]
-      character(*), parameter :: names(4) = [character(24) :: "\u0394H/H", "\u0394(H\u2212W\u00b7L)/H", &
+      character(*), parameter :: names(4) = [character(32) :: "\u0394H/H", &
+         "\u0394(H\u2212W\u00b7L)/H", &
                                              "\u0394|y|/|y|", "\u0394L_z/L"]
       integer, parameter :: column(4) = [1, 1, 2, 3]
       character(:), allocatable :: comma

@@ -30,7 +30,8 @@ module poinsot_splitting_block_flows
       logical :: compensated
       integer :: n                            !! bodies in it; the other lanes are padding at rest
       integer :: nvec                         !! groups of lanes that hold them
-      integer :: at(lanes)                    !! where each stands in the caller's arrays; 0: padding
+      integer :: at(lanes)
+      !! where each stands in the caller's arrays; 0: padding
       integer :: number                       !! of the body class
       logical :: stored                       !! the caller's arrays have the result already
       logical :: drops                        !! momentum about an axis without inertia was dropped
