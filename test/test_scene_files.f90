@@ -338,8 +338,8 @@ contains
       type(poinsot_error) :: failure
       character(:), allocatable :: text
       call empty_folder("told")
-      call run_text("&scene t_end=1 h=0.3 /" // body // "&bodies tensor=1,0,0,0,0.6,0,0,0,0.8 /" // &
-         &
+      call run_text("&scene t_end=1 h=0.3 /" // body // &
+                    "&bodies tensor=1,0,0,0,0.6,0,0,0,0.8 /" // &
                     "&bodies tensor=0.8,0.2,0,0.2,0.8,0,0,0,1.5 /" // &
                     "&output every=0.02 restart='' pictures='none' /", "told", failure)
       call accepted(error, failure)
