@@ -14,10 +14,11 @@ array end_x[20]
 array end_y[20]
 array end_text[20]
 array end_colour[20]
-ends = 0; name = 'exact'; most = 0
-follow(k) = (strcol(2) ne name ? (ends = ends + 1, name = strcol(2), most = 0) : 0, \
+ends = 0; name = ''; most = 0; counted = 0
+follow(k) = (strcol(2) ne name ? (name = strcol(2), most = 0, counted = 0) : 0, \
    name ne 'exact' && column(1) > most && column(8) > 0 ? \
-   (most = column(1), end_text[ends] = name, end_x[ends] = across(column(1)), end_y[ends] = along(column(8))) : 0, 1)
+   (ends = counted ? ends : ends + 1, counted = 1, most = column(1), end_text[ends] = name, \
+    end_x[ends] = across(column(1)), end_y[ends] = along(column(8))) : 0, 1)
 stats file skip 1 using (follow(1)) nooutput
 do for [k=1:ends] { end_colour[k] = colour(k + 1) }
 
