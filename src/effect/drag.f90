@@ -5,6 +5,7 @@ module poinsot_effect_drag
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, flow_effect
+   use poinsot_effect_terms, only: torque_terms
    use poinsot_effect_friction, only: get_friction, full_flow, apply_flow
    use poinsot_effect_settings, only: setting, effect_info, number_key, per_axis
    implicit none(type, external)
@@ -17,6 +18,7 @@ module poinsot_effect_drag
       real(dp), allocatable :: full(:, :) !! or a matrix, principal frame
    contains
       procedure :: apply
+      procedure :: add_terms
       procedure :: only_forward
    end type drag
 
@@ -79,5 +81,24 @@ contains
       end associate
       only_forward = .true.
    end function only_forward
+
+   !> The effect as data.
+   pure subroutine add_terms(self, class, terms, served)
+      class(drag), intent(in) :: self
+      type(body_class), intent(in) :: class
+      type(torque_terms), intent(inout) :: terms
+      logical, intent(out) :: served
+      integer :: i
+      associate (unused => class%moments)
+      end associate
+      served = .true.
+      if (allocated(self%full)) then
+         terms%friction = terms%friction + self%full
+      else
+         do i = 1, 3
+            terms%friction(i, i) = terms%friction(i, i) + self%friction(i)
+         end do
+      end if
+   end subroutine add_terms
 
 end module poinsot_effect_drag

@@ -9,6 +9,7 @@ module poinsot_effect_effect
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_body_class, only: body_class
    use poinsot_effect_settings, only: setting
+   use poinsot_effect_terms, only: torque_terms
    implicit none(type, external)
    private
    public :: effect, torque_effect, flow_effect, pair_effect, effect_item
@@ -19,6 +20,7 @@ module poinsot_effect_effect
       integer :: class_index = 0     !! the body class it acts on, counted from 1; 0 = all of them
    contains
       procedure :: acts_on
+      procedure :: add_terms => add_no_terms
    end type effect
 
    !> A place for one effect of any kind, so that effects can stand in an array.
@@ -144,6 +146,19 @@ module poinsot_effect_effect
    end interface
 
 contains
+
+   !> The effect as data for the Taylor integrator, added to those of the others; `served` is false,
+   !> and nothing added, if it is none: pairs, noise, a program's own torques.
+   pure subroutine add_no_terms(self, class, terms, served)
+      class(effect), intent(in) :: self
+      type(body_class), intent(in) :: class        !! of the bodies it acts on
+      type(torque_terms), intent(inout) :: terms
+      logical, intent(out) :: served
+      associate (unused_1 => self%class_index, unused_2 => class%moments, &
+         unused_3 => terms%friction)
+      end associate
+      served = .false.
+   end subroutine add_no_terms
 
    !> Has the derivative of the torque in closed form? Schemes with a force gradient need it.
    pure logical function has_no_gradient(self)

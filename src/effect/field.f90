@@ -6,6 +6,7 @@ module poinsot_effect_field
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: turned, add_linear_torque, add_linear_energy, &
       add_linear_derivative
+   use poinsot_effect_terms, only: torque_terms, linear_term, space_direction, cross_matrix
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
       get_value, get_text, get_direction, body_vector
    implicit none(type, external)
@@ -25,6 +26,7 @@ module poinsot_effect_field
    contains
       procedure :: at_time
       procedure :: add_torque
+      procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
       procedure :: add_derivative
@@ -135,5 +137,28 @@ contains
       end associate
       call add_linear_derivative(self%at_time(t), -self%dipole, q, delta, dg)
    end subroutine add_derivative
+
+   !> The effect as data.
+   pure subroutine add_terms(self, class, terms, served)
+      class(field), intent(in) :: self
+      type(body_class), intent(in) :: class
+      type(torque_terms), intent(inout) :: terms
+      logical, intent(out) :: served
+      associate (unused => class%moments)
+      end associate
+      served = .true.
+      associate (matrix => cross_matrix(-self%dipole))
+         select case (self%motion)
+         case (rotating)
+            call terms%add_linear(linear_term(space_direction(self%strength, self%axis, &
+               self%frequency, self%phase), matrix))
+         case (oscillating)
+            call terms%add_linear(linear_term(space_direction(self%strength), matrix, .true., &
+               self%frequency, self%phase))
+         case default
+            call terms%add_linear(linear_term(space_direction(self%strength), matrix))
+         end select
+      end associate
+   end subroutine add_terms
 
 end module poinsot_effect_field

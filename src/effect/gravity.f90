@@ -5,6 +5,7 @@ module poinsot_effect_gravity
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: add_linear_torque, add_linear_energy, add_linear_derivative
+   use poinsot_effect_terms, only: torque_terms, linear_term, space_direction, cross_matrix
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, &
       get_value, get_direction, body_vector
    implicit none(type, external)
@@ -17,6 +18,7 @@ module poinsot_effect_gravity
       real(dp) :: up(3) = 0   !! unit vector in space
    contains
       procedure :: add_torque
+      procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
       procedure :: add_derivative
@@ -93,5 +95,17 @@ contains
       end associate
       call add_linear_derivative(self%up, self%arm, q, delta, dg)
    end subroutine add_derivative
+
+   !> The effect as data.
+   pure subroutine add_terms(self, class, terms, served)
+      class(gravity), intent(in) :: self
+      type(body_class), intent(in) :: class
+      type(torque_terms), intent(inout) :: terms
+      logical, intent(out) :: served
+      associate (unused => class%moments)
+      end associate
+      served = .true.
+      call terms%add_linear(linear_term(space_direction(self%up), cross_matrix(self%arm)))
+   end subroutine add_terms
 
 end module poinsot_effect_gravity

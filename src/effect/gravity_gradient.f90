@@ -6,6 +6,7 @@ module poinsot_effect_gravity_gradient
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: turned, to_body
+   use poinsot_effect_terms, only: torque_terms, quadratic_term, space_direction
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_value, &
       get_text, get_direction
    implicit none(type, external)
@@ -21,6 +22,7 @@ module poinsot_effect_gravity_gradient
    contains
       procedure :: at_time
       procedure :: add_torque
+      procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
       procedure :: add_derivative
@@ -146,5 +148,16 @@ contains
       d = [class%moments(3) - class%moments(2), class%moments(1) - class%moments(3), &
            class%moments(2) - class%moments(1)]
    end function differences
+
+   !> The effect as data.
+   pure subroutine add_terms(self, class, terms, served)
+      class(gravity_gradient), intent(in) :: self
+      type(body_class), intent(in) :: class
+      type(torque_terms), intent(inout) :: terms
+      logical, intent(out) :: served
+      served = .true.
+      call terms%add_quadratic(quadratic_term(space_direction(self%radial, self%normal, &
+         self%rate), self%kappa*differences(class)))
+   end subroutine add_terms
 
 end module poinsot_effect_gravity_gradient

@@ -5,6 +5,7 @@ module poinsot_effect_spring
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
+   use poinsot_effect_terms, only: torque_terms, quadratic_term, space_direction
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, &
       get_direction, body_vector
    implicit none(type, external)
@@ -18,6 +19,7 @@ module poinsot_effect_spring
       real(dp) :: direction(3) = [0, 0, 1]  !! unit vector in space
    contains
       procedure :: add_torque
+      procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
       procedure :: add_derivative
@@ -125,5 +127,21 @@ contains
          dg(i, 3) = dg(i, 3) + (n(1)*m2 - n(2)*m1)
       end do
    end subroutine add_derivative
+
+   !> The effect as data.
+   pure subroutine add_terms(self, class, terms, served)
+      class(spring), intent(in) :: self
+      type(body_class), intent(in) :: class
+      type(torque_terms), intent(inout) :: terms
+      logical, intent(out) :: served
+      associate (unused => class%moments)
+      end associate
+      served = .true.
+      associate (a => self%axis, k => self%stiffness)
+         call terms%add_quadratic(quadratic_term(space_direction(self%direction), &
+            [k*((a(2) - a(3))*(a(2) + a(3))), k*((a(3) - a(1))*(a(3) + a(1))), &
+             k*((a(1) - a(2))*(a(1) + a(2)))], [-k*(a(2)*a(3)), -k*(a(3)*a(1)), -k*(a(1)*a(2))]))
+      end associate
+   end subroutine add_terms
 
 end module poinsot_effect_spring

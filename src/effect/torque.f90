@@ -6,6 +6,7 @@ module poinsot_effect_torque
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
+   use poinsot_effect_terms, only: torque_terms, linear_term, body_term, table_term, space_direction
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
       get_value, get_text, was_given, body_vector
    implicit none(type, external)
@@ -23,6 +24,7 @@ module poinsot_effect_torque
    contains
       procedure :: at_time
       procedure :: add_torque
+      procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
       procedure :: add_derivative
@@ -200,5 +202,25 @@ contains
          dg(i, 3) = dg(i, 3) + (v(i, 1)*delta(i, 2) - v(i, 2)*delta(i, 1))
       end do
    end subroutine add_derivative
+
+   !> The effect as data.
+   pure subroutine add_terms(self, class, terms, served)
+      class(torque), intent(in) :: self
+      type(body_class), intent(in) :: class
+      type(torque_terms), intent(inout) :: terms
+      logical, intent(out) :: served
+      real(dp), parameter :: identity(9) = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+      associate (unused => class%moments)
+      end associate
+      served = .true.
+      if (allocated(self%times)) then
+         call terms%add_table(table_term(self%in_space, self%times, self%table))
+      else if (self%in_space) then
+         call terms%add_linear(linear_term(space_direction(self%value), reshape(identity, [3, 3]), &
+            self%harmonic, self%frequency, self%phase))
+      else
+         call terms%add_body(body_term(self%value, self%harmonic, self%frequency, self%phase))
+      end if
+   end subroutine add_terms
 
 end module poinsot_effect_torque
