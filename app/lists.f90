@@ -82,6 +82,11 @@ contains
          order = text_of(scheme%order)
          stages = text_of(scheme%stages)
          gradients = merge("yes", "no ", scheme%needs_gradient)
+         if (scheme%adaptive) then
+            order = "-"
+            stages = "-"
+            gradients = "-"
+         end if
          call say(name // order // stages // gradients // "   " // trim(scheme%author) // ", " // &
                   text_of(scheme%year))
       end do

@@ -12,7 +12,7 @@ module test_hard_faults
    use poinsot_ensemble_plan, only: poinsot_plan, set_option
    use poinsot_ensemble_step, only: step_bodies, kick_bodies
    use poinsot_free_method, only: method_count, method_name
-   use poinsot_splitting_registry, only: splitting_count, splitting_name
+   use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use test_crowd, only: crowd, make_crowd, mixed_plan, with_effect, same_bits
    use test_free_tools, only: text
    implicit none(type, external)
@@ -223,6 +223,7 @@ contains
       integer :: i, k, steps, status, total(0:3)
       call make_crowd(40, start)
       do i = 1, splitting_count()
+         if (.not. is_table(i)) cycle
          if (splitting_name(i) == "chin4" .or. index(splitting_name(i), "omelyan") > 0) cycle
          call some_plan("dmv8", splitting_name(i), plan)
          do steps = 0, 3

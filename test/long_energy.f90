@@ -12,7 +12,7 @@ module test_long_energy
    use poinsot_ensemble_compose, only: make_ready
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option
    use poinsot_ensemble_step, only: step_bodies
-   use poinsot_splitting_registry, only: splitting_count, splitting_name
+   use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use test_bodies, only: random_stream, start_stream, uniform
    use test_crowd, only: with_effect
    use test_free_tools, only: text
@@ -122,6 +122,7 @@ contains
       type(energy_record) :: record
       integer :: i
       do i = 1, splitting_count()
+         if (.not. is_table(i)) cycle
          call measure_energy("exact", splitting_name(i), periods, record)
          if (shown) call show("exact", splitting_name(i), periods, record)
          call check_bounded(error, splitting_name(i), record, periods)

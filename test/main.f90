@@ -28,6 +28,7 @@ program check_poinsot
    use test_scene, only: collect_scene
    use test_splitting, only: collect_splitting
    use test_study, only: collect_study
+   use test_taylor, only: collect_taylor
    use test_view, only: collect_view
    implicit none(type, external)
 
@@ -56,6 +57,7 @@ program check_poinsot
       new_testsuite("effect", collect_effect), &
       new_testsuite("splitting", collect_splitting), &
       new_testsuite("ensemble", collect_ensemble), &
+      new_testsuite("taylor", collect_taylor), &
       new_testsuite("frame", collect_frame), &
       new_testsuite("scene", collect_scene), &
       new_testsuite("pictures", collect_pictures), &

@@ -13,7 +13,7 @@ module test_splitting
    use poinsot_effect_settings, only: number_setting
    use poinsot_effect_registry, only: make_effect
    use poinsot_splitting_tableaux, only: splitting, operation
-   use poinsot_splitting_registry, only: find_splitting, splitting_count, splitting_name, &
+   use poinsot_splitting_registry, only: is_table, find_splitting, splitting_count, splitting_name, &
       achieved_order
    use poinsot_splitting_stepper, only: flows, run_steps
    use test_splitting_motion, only: collect_motion
@@ -65,6 +65,7 @@ contains
       type(splitting) :: scheme
       integer :: i
       do i = 1, splitting_count()
+         if (.not. is_table(i)) cycle
          scheme = row(i)
          associate (ops => scheme%operations)
             call check(error, abs(sum(ops%b, mask=ops%is_kick) - 1) < 1e-15_dp, &
@@ -87,6 +88,7 @@ contains
       type(splitting) :: scheme
       integer :: i, n
       do i = 1, splitting_count()
+         if (.not. is_table(i)) cycle
          scheme = row(i)
          n = size(scheme%operations)
          associate (ops => scheme%operations, back => scheme%operations(n:1:-1))
@@ -138,6 +140,7 @@ contains
       type(splitting) :: scheme
       integer :: i, k, n
       do i = 1, splitting_count()
+         if (.not. is_table(i)) cycle
          scheme = row(i)
          n = size(scheme%operations)
          associate (ops => scheme%operations)
@@ -158,6 +161,7 @@ contains
       type(splitting) :: scheme
       integer :: i
       do i = 1, splitting_count()
+         if (.not. is_table(i)) cycle
          scheme = row(i)
          call check(error, scheme%author /= "" .and. scheme%paper /= "" .and. &
             scheme%year > 1900 .and. &
@@ -204,6 +208,7 @@ contains
       integer :: i, kicks
       real(dp), parameter :: t = 0.3_dp, h = 0.1_dp
       do i = 1, splitting_count()
+         if (.not. is_table(i)) cycle
          scheme = row(i)
          log = recorder(fresh=.false., has_dissipation=.false., halted=.false.)
          call run_steps(scheme, log, t, h, 7_i8, 5_i8)

@@ -32,9 +32,17 @@ quietly() {
    return 1
 }
 
+# fpm does not look into included files: what includes one that is newer is compiled again.
 by_fpm() {
    command=$1
    shift
+   for included in src/taylor/*.inc; do
+      for user in $(grep -l "include '${included##*/}'" src/taylor/*.f90); do
+         for object in build/*/poinsot/"$(printf %s "$user" | tr / _)".o; do
+            [ "$included" -nt "$object" ] && rm -f "$object.digest"
+         done
+      done
+   done
    build/tools/bin/fpm "$command" --no-prune --compiler "$FC" --c-flag "$(tools/flags.sh c)" --link-flag "$(tools/flags.sh link)" "$@"
 }
 

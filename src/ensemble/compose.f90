@@ -2,7 +2,8 @@
 module poinsot_ensemble_compose
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_memory, &
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
+      poinsot_e_size
       poinsot_e_size
    use poinsot_body_class, only: extend_class
    use poinsot_effect_effect, only: effect, effect_item, flow_effect, pair_effect
@@ -11,6 +12,7 @@ module poinsot_ensemble_compose
    use poinsot_effect_gyrostat, only: gyrostat
    use poinsot_effect_registry, only: describe_effect, effect_number, remake_effect
    use poinsot_effect_settings, only: setting, effect_info
+   use poinsot_effect_terms, only: torque_terms
    use poinsot_ensemble_plan, only: poinsot_plan, grow, refused
    use poinsot_free_method, only: find_method
    use poinsot_rotation_conversions, only: to_matrix
@@ -18,6 +20,8 @@ module poinsot_ensemble_compose
    use poinsot_splitting_class_flows, only: compose_class
    use poinsot_splitting_registry, only: find_splitting
    use poinsot_splitting_tableaux, only: splitting, free_scheme
+   use poinsot_taylor_problem, only: taylor_problem, make_problem, collect_terms
+   use poinsot_taylor_settings, only: choose_orders
    implicit none(type, external)
    private
    public :: make_ready, attach_plan, scheme_of
@@ -96,10 +100,42 @@ contains
          call compose_one(plan, c, framed, next, error)
          if (raised(error)) exit
       end do
+      if (.not. raised(error)) call compose_taylor(plan, error)
       if (.not. raised(error)) return
       deallocate (plan%composed, plan%composition)
       call grow(plan%effects, effects - size(plan%effects), error)
    end subroutine compose_all
+
+   !> Effects as data, class by class, for the Taylor integrator.
+   subroutine compose_taylor(plan, error)
+      type(poinsot_plan), intent(inout) :: plan
+      type(poinsot_error), intent(inout) :: error
+      type(taylor_problem), allocatable :: problems(:)
+      type(torque_terms) :: terms
+      integer :: c, state
+      if (.not. plan%splitting%adaptive) return
+      if (plan%coupled) then
+         call raise(error, poinsot_e_method, "splitting 'taylor' moves every body by itself: it " &
+            // "takes no effect that couples bodies; 'srkn6' does")
+         return
+      end if
+      plan%orders = choose_orders(plan%tolerance)
+      allocate (problems(size(plan%classes)), stat=state)
+      if (state /= 0) then
+         call raise(error, poinsot_e_memory, "no memory for the torques of the body classes")
+         return
+      end if
+      do c = 1, size(plan%classes)
+         associate (flows => plan%composed(plan%composition(c)))
+            terms = torque_terms()
+            call collect_terms(plan%classes(c), [flows%torques, flows%dissipative], &
+                               plan%effects, terms, error)
+         end associate
+         if (raised(error)) return
+         call make_problem(plan%classes(c), terms, problems(c))
+      end do
+      call move_alloc(problems, plan%taylor)
+   end subroutine compose_taylor
 
    !> Would an effect's settings mean something else in another frame of the body?
    logical function is_framed(item)

@@ -44,6 +44,11 @@ contains
       system%has_dissipation = plan%has_dissipation
       call check_pairs(plan, view, error)
       if (raised(error)) return
+      if (plan%splitting%adaptive) then
+         call raise(error, poinsot_e_method, "splitting 'taylor' needs torques as data, which a " // &
+                    "callback is not; 'srkn6' takes it")
+         return
+      end if
       if (plan%splitting%needs_gradient .and. associated(system%callback)) then
          call raise(error, poinsot_e_method, "splitting '" // trim(plan%splitting%name) // &
                     "' needs a force gradient, which a callback does not have; srkn4 and " // &

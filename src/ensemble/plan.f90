@@ -19,6 +19,9 @@ module poinsot_ensemble_plan
    use poinsot_splitting_class_flows, only: class_flows
    use poinsot_splitting_registry, only: find_splitting
    use poinsot_splitting_tableaux, only: splitting
+   use poinsot_taylor_problem, only: taylor_problem
+   use poinsot_taylor_settings, only: taylor_orders, default_tolerance, least_tolerance, &
+      most_tolerance
    implicit none(type, external)
    private
    public :: poinsot_plan, add_class, add_tensor_class, class_axes, set_option, add_effect, &
@@ -38,7 +41,7 @@ module poinsot_ensemble_plan
       logical :: space_torque = .false.           !! torques of `kick` and of callbacks are in the
                                                   !! space frame
       integer :: threads = 1                      !! 0: as OpenMP says
-      real(dp) :: tolerance = 1e-12_dp            !! of `taylor`, relative
+      real(dp) :: tolerance = default_tolerance   !! of `taylor`, relative
       integer(i8) :: seed = 0                     !! of random numbers
       type(effect_item), allocatable :: effects(:)
       logical :: coupled = .false.                !! an effect couples bodies
@@ -47,6 +50,8 @@ module poinsot_ensemble_plan
       type(class_flows), allocatable :: composed(:)
       !! what acts, once for all classes that share it
       integer, allocatable :: composition(:)      !! (classes): which of these
+      type(taylor_problem), allocatable :: taylor(:) !! (classes), with splitting `taylor`
+      type(taylor_orders) :: orders               !! of its series
       logical :: has_dissipation = .false.        !! of any class
    contains
       procedure :: is_turned
@@ -199,7 +204,7 @@ contains
       real(dp) :: number
       integer :: outcome
       call parse_real(trim(value), number, outcome)
-      if (outcome == number_ok .and. number >= 1e-15_dp .and. number <= 1e-2_dp) then
+      if (outcome == number_ok .and. number >= least_tolerance .and. number <= most_tolerance) then
          tolerance = number
       else
          call raise(error, poinsot_e_domain, "plan: tolerance = '"//trim(value)// &

@@ -20,6 +20,8 @@ module poinsot_ensemble_step
    use poinsot_splitting_block_flows, only: block_flows
    use poinsot_splitting_stepper, only: run_steps, apply_preprocessor, apply_postprocessor
    use poinsot_splitting_tableaux, only: splitting
+   use poinsot_taylor_integrate, only: integrate
+   use poinsot_taylor_settings, only: taylor_time
    implicit none(type, external)
    private
    public :: drift_bodies, kick_bodies, step_bodies, check_ready
@@ -228,11 +230,31 @@ contains
       class(step_job), intent(inout) :: self
       type(block_flows), intent(inout) :: b
       type(splitting), pointer :: scheme
+      if (allocated(self%plan%taylor)) then
+         call run_taylor(self, b)
+         return
+      end if
       call attach_plan(self%plan, b)
       scheme => scheme_of(self%plan, b)
       call apply_preprocessor(scheme, b, self%t, self%h, self%first)
       call run_steps(scheme, b, self%t, self%h, self%first, self%steps)
       call apply_postprocessor(scheme, b, self%t, self%h, self%first + self%steps)
    end subroutine run_step
+
+   !> Steps of a block by Taylor series.
+   subroutine run_taylor(self, b)
+      class(step_job), intent(in) :: self
+      type(block_flows), intent(inout) :: b
+      real(dp) :: y(3, lanes), q(4, lanes), carry(7, lanes)
+      y(:, :b%n) = transpose(b%y(:b%n, :))
+      q(:, :b%n) = transpose(b%q(:b%n, :))
+      if (b%compensated) carry(:, :b%n) = transpose(b%carry(:b%n, :))
+      call integrate(self%plan%taylor(b%number), self%plan%orders, &
+                     taylor_time(self%t, self%h, self%first, self%steps), b%compensated, b%n, &
+                     y, q, carry, b%status)
+      b%y(:b%n, :) = transpose(y(:, :b%n))
+      b%q(:b%n, :) = transpose(q(:, :b%n))
+      if (b%compensated) b%carry(:b%n, :) = transpose(carry(:, :b%n))
+   end subroutine run_taylor
 
 end module poinsot_ensemble_step

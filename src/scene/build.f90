@@ -16,6 +16,7 @@ module poinsot_scene_build
    use poinsot_scene_bodies, only: build_bodies, add_rotors
    use poinsot_scene_effects, only: build_effects
    use poinsot_scene_schedule, only: step_total, output_count
+   use poinsot_taylor_settings, only: least_tolerance, most_tolerance
    implicit none(type, external)
    private
    public :: build_scene
@@ -101,6 +102,7 @@ contains
       scene%t_end = number_of(group, "t_end")
       scene%h = number_of(group, "h")
       scene%tol = number_of(group, "tol")
+      scene%tolerance = number_of(group, "tolerance")
       scene%method = word_of(group, "method")
       scene%splitting = word_of(group, "splitting")
       scene%from = word_of(group, "from")
@@ -115,6 +117,9 @@ contains
       else if (scene%tol < 1e-15_dp .or. scene%tol > 1) then
          call reject_key(group, "tol", "= " // text_of(scene%tol) // " is not from 1e-15 to 1", &
             error)
+      else if (scene%tolerance < least_tolerance .or. scene%tolerance > most_tolerance) then
+         call reject_key(group, "tolerance", "= " // text_of(scene%tolerance) // &
+            " is not from 1e-15 to 1e-2", error)
       end if
       if (.not. raised(error)) then
          call integer_of(group, "seed", -9007199254740992_i8, &
@@ -342,7 +347,7 @@ contains
       line = source%groups(find_group(source, "scene"))%line
       if (step_total(scene) > most_steps) then
          call reject(error, scene%file, line, "&scene: more than 1e15 steps; give a longer h")
-      else if (is_auto(scene)) then
+      else if (is_auto(scene) .or. scene%splitting == "taylor") then
          return ! the step will be chosen too; one that is given is the longest allowed
       else if (scene%h <= 0 .and. size(scene%effects) > 0) then
          call reject(error, scene%file, line, "&scene: the key ""h"" is required, because of &" // &

@@ -38,6 +38,7 @@ contains
       this%plan%principal = .true. ! the states are; the scene's effects are in the scene's frames
       this%plan%threads = scene%threads
       this%plan%seed = scene%seed
+      this%plan%tolerance = scene%tolerance
       do i = 1, size(scene%bodies)
          if (raised(error)) return
          this%plan%physical = scene%bodies(i)%physical

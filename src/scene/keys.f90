@@ -26,6 +26,8 @@ contains
             "how kicks and turns alternate: poinsot splittings; or auto"), &
          number_key("tol", 1, 1, "1e-8", "relative", &
             "tolerance at t_end, of 'auto' and of poinsot choose"), &
+         number_key("tolerance", 1, 1, "1e-12", "relative", &
+            "of a step of splitting 'taylor', 1e-15 to 1e-2"), &
          number_key("seed", 1, 1, "1", "integer", "seed of all random numbers"), &
          number_key("threads", 1, 1, "0", "integer", "threads; 0 = as many as OpenMP offers"), &
          text_key("from", "", "", "restart file to continue from")]

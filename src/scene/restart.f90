@@ -13,15 +13,16 @@ module poinsot_scene_restart
    private
    public :: restart_state, write_restart, read_restart, read_choice, sum_of_kinds
 
-   integer, parameter :: version = 1
+   integer, parameter :: version = 2        !! version 1 had no tolerance
    character(*), parameter :: magic = "poinsot-restart"
-   integer, parameter :: head_lines = 9          !! before the first body
    integer, parameter :: numbers_of_body = 14    !! y, q, carry
 
    !> What a run needs to go on.
    type :: restart_state
       character(:), allocatable :: method, splitting !! as run, never `auto`
       real(dp) :: t = 0                    !! time
+      real(dp) :: tolerance = 0            !! of splitting taylor; 0 = another splitting
+      integer :: head_lines = 10           !! of the file, before the first body
       real(dp) :: h = 0                    !! step of the scene, 0 = none
       integer(i8) :: step = 0              !! steps taken since t = 0
       integer(i8) :: seed = 0
@@ -47,6 +48,7 @@ contains
       call put(file, magic // " " // text_of(version), error)
       call put(file, "method " // state%method, error)
       call put(file, "splitting " // state%splitting, error)
+      call put(file, "tolerance " // hex([state%tolerance]) // "  " // text_of(state%tolerance), error)
       call put(file, "t " // hex([state%t]) // "  " // text_of(state%t), error)
       call put(file, "h " // hex([state%h]) // "  " // text_of(state%h), error)
       call put(file, "step " // text_of(state%step), error)
@@ -110,6 +112,7 @@ contains
       type(restart_state), intent(in) :: state
       total = ieor(state%step, ishftc(state%seed, 32))
       call add_to_sum(total, [state%t, state%h])
+      if (state%tolerance > 0) call add_to_sum(total, [state%tolerance])
    end function start_sum
 
    !> Read a restart file. Error: POINSOT_E_IO if it cannot be read, POINSOT_E_SCENE if it is none,
@@ -139,7 +142,7 @@ contains
       character(:), allocatable, intent(out) :: method, splitting
       real(dp), intent(out) :: h                  !! 0: none
       type(poinsot_error), intent(inout) :: error
-      character(:), allocatable :: word
+      character(:), allocatable :: word, told
       character(200) :: reason
       integer :: unit, code, line
       h = 0
@@ -149,9 +152,10 @@ contains
          call raise(error, poinsot_e_io, path // ": cannot be opened: " // reason_of(reason))
          return
       end if
-      call next(unit, path, magic, line, word, error)
+      call next(unit, path, magic, line, told, error)
       call next(unit, path, "method", line, method, error)
       call next(unit, path, "splitting", line, splitting, error)
+      if (told /= "1") call next(unit, path, "tolerance", line, word, error)
       call next(unit, path, "t", line, word, error)
       call next(unit, path, "h", line, word, error)
       call one_real(path, line, word, h, error)
@@ -171,16 +175,23 @@ contains
       character(:), allocatable :: word, told
       integer(i8) :: number
       integer :: line
+      logical :: old
       line = 0
       call next(unit, path, magic, line, word, error)
       if (raised(error)) return
-      if (word /= text_of(version)) then
+      old = word == "1"
+      if (old) state%head_lines = state%head_lines - 1
+      if (.not. (old .or. word == text_of(version))) then
          call bad(path, line, "is of version " // quoted(word) // &
-                  "; this program reads version " // text_of(version), error)
+                  "; this program reads versions 1 and " // text_of(version), error)
          return
       end if
       call next(unit, path, "method", line, state%method, error)
       call next(unit, path, "splitting", line, state%splitting, error)
+      if (.not. old) then
+         call next(unit, path, "tolerance", line, word, error)
+         call one_real(path, line, word, state%tolerance, error)
+      end if
       call next(unit, path, "t", line, word, error)
       call one_real(path, line, word, state%t, error)
       call next(unit, path, "h", line, word, error)
@@ -296,7 +307,7 @@ contains
       end if
       total = start_sum(state)
       do i = 1, n
-         line = head_lines + i
+         line = state%head_lines + i
          read (unit, "(a)", iostat=code) text
          good = code == 0
          if (good) call from_hex(trim(text), values, good)
@@ -313,7 +324,7 @@ contains
          state%carry(:, i) = values(8:14)
          call add_to_sum(total, values)
       end do
-      line = head_lines + n
+      line = state%head_lines + n
       call next(unit, path, "end", line, word, error)
       if (raised(error)) return
       if (word /= digits_of(total)) then

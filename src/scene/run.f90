@@ -227,6 +227,8 @@ contains
          call differs("method", saved%method, scene%method)
       else if (saved%splitting /= scene%splitting .and. scene%splitting /= "auto") then
          call differs("splitting", saved%splitting, scene%splitting)
+      else if (saved%splitting == "taylor" .and. abs(saved%tolerance - scene%tolerance) > 0) then
+         call differs("tolerance", text_of(saved%tolerance), text_of(scene%tolerance))
       else if (abs(saved%h - scene%h) > 0) then
          call differs("h", text_of(saved%h), text_of(scene%h))
       else if (saved%seed /= scene%seed) then
@@ -388,6 +390,7 @@ contains
       saved%splitting = report%splitting
       saved%t = run%t
       saved%h = scene%h
+      if (saved%splitting == "taylor") saved%tolerance = scene%tolerance
       saved%step = run%step
       saved%seed = scene%seed
       saved%kinds = kinds_of(scene)

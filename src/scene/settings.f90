@@ -66,6 +66,7 @@ module poinsot_scene_settings
       real(dp) :: h = 0                       !! 0: free bodies go from output to output
       character(:), allocatable :: method, splitting
       real(dp) :: tol = 1e-8_dp
+      real(dp) :: tolerance = 1e-12_dp        !! of splitting taylor
       integer(i8) :: seed = 1
       integer :: threads = 0                  !! 0: as many as OpenMP offers
       character(:), allocatable :: from       !! restart file to continue from, "" = none

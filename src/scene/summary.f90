@@ -85,10 +85,11 @@ contains
       call row(file, "effects", effects, error)
       call row(file, "method", report%method, error)
       if (size(scene%effects) > 0) call row(file, "splitting", report%splitting, error)
-      if (knot_within_step(scene) >= 0) then
+      if (report%splitting /= "taylor" .and. knot_within_step(scene) >= 0) then
          call row(file, "order at knots", "2: the table of &torque has a knot at t = " // &
                   text_of(knot_within_step(scene)) // ", within a step; let steps end there", error)
       end if
+      if (report%splitting == "taylor") call row(file, "tolerance", text_of(scene%tolerance), error)
       if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
       call row(file, "seed", text_of(scene%seed), error)
       if (len(scene%from) > 0) call row(file, "continued from", scene%from, error)

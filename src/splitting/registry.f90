@@ -8,7 +8,7 @@ module poinsot_splitting_registry
       scheme_count, scheme_row
    implicit none(type, external)
    private
-   public :: splitting_names, splitting_count, splitting_name, find_splitting, splitting_flows, &
+   public :: is_table, splitting_names, splitting_count, splitting_name, find_splitting, splitting_flows, &
       achieved_order
 
 contains
@@ -17,6 +17,14 @@ contains
    pure integer function splitting_count()
       splitting_count = scheme_count
    end function splitting_count
+
+   !> Is splitting i a table of flows that the stepper runs? `taylor` is none.
+   pure logical function is_table(i)
+      integer, intent(in) :: i
+      type(splitting) :: row
+      row = scheme_row(i)
+      is_table = .not. row%adaptive
+   end function is_table
 
    !> Name of splitting i, 1 to splitting_count; "" outside.
    pure function splitting_name(i) result(name)
@@ -50,7 +58,7 @@ contains
    !> One step of a splitting as pairs of flows, for a host that moves more than attitudes and so
    !> runs the step itself: for i = 1, 2, ... a kick over kick(i) h, then a drift over drift(i) h; a
    !> zero is no flow. POINSOT_E_METHOD for an unknown name, and for a splitting that is not kicks
-   !> and drifts alone (force gradients, a processor).
+   !> and drifts alone (force gradients, a processor, `taylor`).
    pure subroutine splitting_flows(name, kick, drift, error)
       character(*), intent(in) :: name
       real(dp), allocatable, intent(out) :: kick(:), drift(:)
@@ -59,7 +67,7 @@ contains
       integer :: i, n
       call find_splitting(name, scheme, error)
       if (raised(error)) return
-      if (scheme%needs_gradient .or. size(scheme%enter) > 0) then
+      if (scheme%needs_gradient .or. scheme%adaptive .or. size(scheme%enter) > 0) then
          call raise(error, poinsot_e_method, "splitting '" // trim(name) // &
                     "' is not kicks and drifts alone; 'srkn4' and 'srkn6' are")
          return

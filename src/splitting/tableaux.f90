@@ -30,6 +30,7 @@ module poinsot_splitting_tableaux
       integer :: stages = 0 !! free rotations per step, those at both ends counted as one
       logical :: symmetric = .true.
       logical :: needs_gradient = .false.
+      logical :: adaptive = .false.         !! no table: a Taylor series to a tolerance
       character(56) :: paper = ""
       type(operation), allocatable :: operations(:)
       type(operation), allocatable :: enter(:)   !! at the start: state to kernel's variables
@@ -39,7 +40,7 @@ module poinsot_splitting_tableaux
    !> Names of the rows, in their order.
    character(18), parameter :: scheme_names(*) = [character(18) :: &
       "strang", "forest-ruth", "suzuki4", "yoshida6", "mclachlan4", "srkn4", "srkn6", "chin4", &
-      "omelyan4", "omelyan6", "omelyan8", "takahashi-imada"]
+      "omelyan4", "omelyan6", "omelyan8", "takahashi-imada", "taylor"]
    integer, parameter :: scheme_count = size(scheme_names)
 
 contains
@@ -121,6 +122,10 @@ contains
                          paper="J. Phys. Soc. Jpn. 53, 3765; Appl. Num. Math. 39, 245")
          call fill_row(row, "T", [0.5_dp, 1.0_dp], [0.0_dp, 1.0_dp/24.0_dp])
          call add_processor(row)
+      case (13)
+         row = splitting("taylor", "Jorba, Zou", 2005, adaptive=.true., &
+                         paper="Exp. Math. 14, 99; in two precisions")
+         allocate (row%operations(0), row%enter(0), row%leave(0))
       case default
          row = free_scheme()
       end select

@@ -11,7 +11,7 @@ module poinsot_study_candidates
    use poinsot_scene_names, only: effect_table
    use poinsot_scene_settings, only: scene_settings, body_group, random_thermal
    use poinsot_scene_text, only: quoted
-   use poinsot_splitting_registry, only: splitting_count, splitting_name, find_splitting, &
+   use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name, find_splitting, &
       achieved_order
    use poinsot_splitting_tableaux, only: splitting
    use poinsot_study_trial, only: make_plan
@@ -182,8 +182,13 @@ contains
       call check_known("splitting", named, all, error)
       splittings = [character(24) :: no_splitting]
       if (raised(error) .or. .not. kind%kicks) return
-      splittings = all
+      splittings = pack(all, [(is_table(i), i=1, size(all))])
       if (size(named) > 0) splittings = named
+      if (any(splittings == "taylor")) then
+         call raise(error, poinsot_e_method, "'taylor' chooses its steps by its tolerance: cost " // &
+            "and choose, which vary the step, do not take it")
+         return
+      end if
       do i = 1, size(splittings)
          call make_plan(scene, "exact", trim(splittings(i)), plan, refused)
          fits(i) = .not. raised(refused)

@@ -7,7 +7,7 @@ module poinsot_study_hard
    use poinsot_core_status, only: poinsot_e_convergence, poinsot_e_method
    use poinsot_free_method, only: method_count, method_name
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
-   use poinsot_splitting_registry, only: splitting_count, splitting_name
+   use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names, kind_about, cases_of_kind
    use poinsot_study_hard_kinds, only: approach_names
    use poinsot_study_hard_promises, only: promise_names, promise_bounds, promise_about, &
@@ -219,6 +219,7 @@ contains
          call write_line(unit, sentence(method_name(m), rows))
       end do
       do m = 1, splitting_count()
+         if (.not. is_table(m)) cycle
          call write_line(unit, sentence(splitting_name(m), rows))
       end do
    end subroutine show_verdicts

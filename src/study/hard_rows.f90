@@ -2,7 +2,7 @@
 module poinsot_study_hard_rows
    use poinsot_core_kinds, only: dp
    use poinsot_free_method, only: method_count, method_name
-   use poinsot_splitting_registry, only: splitting_count, splitting_name
+   use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names
    use poinsot_study_hard_kinds, only: hard_result, judge_kind, approaches, approach_names
    use poinsot_study_hard_promises, only: promise_names, promise_bounds, measure_promise, &
@@ -58,6 +58,7 @@ contains
       do k = 1, size(top_names)
          if (is_case(only) .and. only /= top_names(k)) cycle
          do m = 1, splitting_count()
+            if (.not. is_table(m)) cycle
             row = hard_row(top_names(k), splitting_name(m))
             row%figure = measure_top(k, splitting_name(m))
             call judge(top_bound(k, splitting_name(m)))

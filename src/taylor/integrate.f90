@@ -1,18 +1,13 @@
 !> Torques at any accuracy: bodies of one class over steps of any length by Taylor series in two
 !> precisions (mathematics.md, "Torques at any accuracy"; Jorba and Zou 2005 for the step).
-!>
-!> A few bodies run in narrow vectors, more in wide ones: the same statements, so the same bits.
 module poinsot_taylor_integrate
    use poinsot_core_kinds, only: dp
    use poinsot_taylor_problem, only: taylor_problem
    use poinsot_taylor_settings, only: taylor_orders, taylor_time
-   use poinsot_taylor_lanes_wide, only: run_wide => run_lanes
-   use poinsot_taylor_lanes_narrow, only: run_narrow => run_lanes
+   use poinsot_taylor_lanes, only: run_lanes
    implicit none(type, external)
    private
    public :: integrate
-
-   integer, parameter :: few = 4              !! bodies that fit into the narrow vectors
 
 contains
 
@@ -30,11 +25,7 @@ contains
       real(dp), intent(inout) :: carry(7, merge(n, 0, keep))   !! of the sums of y and q
       integer, intent(inout) :: status(n)
       if (n == 0 .or. time%steps <= 0 .or. .not. abs(time%h) > 0) return
-      if (n <= few) then
-         call run_narrow(problem, orders, time, keep, n, y, q, carry, status)
-      else
-         call run_wide(problem, orders, time, keep, n, y, q, carry, status)
-      end if
+      call run_lanes(problem, orders, time, keep, n, y, q, carry, status)
    end subroutine integrate
 
 end module poinsot_taylor_integrate

@@ -1,5 +1,5 @@
 !> Taylor series of 8 bodies side by side in double precision (poinsot_taylor_lanes has the method).
-module poinsot_taylor_series_double_wide
+module poinsot_taylor_series_double
    use poinsot_core_kinds, only: wp => dp
    use poinsot_taylor_series_common, only: top => last_double, reciprocal, sine_series, cosine_series, &
       turn_limit => farthest_turn, angle_limit => farthest_angle
@@ -15,4 +15,4 @@ module poinsot_taylor_series_double_wide
 
    include 'series.inc'
 
-end module poinsot_taylor_series_double_wide
+end module poinsot_taylor_series_double

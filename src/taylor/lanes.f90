@@ -1,6 +1,29 @@
-   ! The integrator on `width` lanes, each with its own body, step and time: included by the modules
-   ! that set the widths. A lane that is done takes the next body; nothing a lane does depends on
-   ! another.
+!> The Taylor integrator of torques in two precisions on `width` lanes, each with its own body, step
+!> and time. A lane that is done takes the next body; nothing a lane does depends on another.
+module poinsot_taylor_lanes
+   use, intrinsic :: iso_c_binding, only: c_loc, c_f_pointer, c_intptr_t
+   use poinsot_core_kinds, only: sp, dp, i4, i8
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_step
+   use poinsot_effect_geometry, only: turned
+   use poinsot_rotation_vector, only: cross
+   use poinsot_taylor_problem, only: taylor_problem, place_in_table, see_phases
+   use poinsot_taylor_settings, only: taylor_orders, taylor_time
+   use poinsot_taylor_series_common, only: last_order, last_double
+   use poinsot_taylor_series_double, only: d_width => width, d_constants => lane_constants, &
+      d_extras => lane_extras, d_series_one => series_one, d_series_two => series_two, &
+      d_fill_cosine => fill_cosine, d_horner_vector => horner_vector, &
+      d_horner_angle => horner_angle, d_turn_one => turn_one, d_turn_two => turn_two
+   use poinsot_taylor_series_single, only: s_constants => lane_constants, &
+      s_extras => lane_extras, s_series_one => series_one, s_series_two => series_two, &
+      s_fill_cosine => fill_cosine, s_horner_vector => horner_vector, &
+      s_horner_angle => horner_angle, s_turn_one => turn_one, s_turn_two => turn_two
+   use poinsot_taylor_lanes_common, only: fastest, slowest, exponent_bits, two_ones, smallest, &
+      one_bits, per_bit, bits_per, longest_turn, almost_one, most_parts, grid_bits, grid_limit
+   implicit none(type, external)
+   private
+   public :: run_lanes
+
+   integer, parameter :: parts = 2              ! vectors of double precision
 
    integer, parameter :: width = d_width*parts   ! lanes
    integer, parameter :: words = d_width*parts*(9*(last_double + 1) + 2*(last_double + 1)) + &
@@ -20,13 +43,14 @@
    type :: lane_state
       real(dp) :: y(d_width, 3, parts) = 0, y_carry(d_width, 3, parts) = 0
       real(dp) :: q(d_width, 4, parts) = 0, q_carry(d_width, 4, parts) = 0
-      real(dp) :: left(d_width, parts) = 1      !! of the step h, with its sign; 0: it is done
+      real(dp) :: left(d_width, parts) = 0      !! of the step h, with its sign; 0: it is done
       real(dp) :: reach(d_width, parts) = 0     !! to the end of h or the next knot of a table
       real(dp) :: p(d_width, parts) = 1         !! rate of scaled time: a power of two
       real(dp) :: h(d_width, parts) = 0         !! substep
       integer :: body(d_width, parts) = 0       !! 0: idle
       integer(i8) :: step(d_width, parts) = 0   !! number of the step h
       integer :: live = 0                       !! lanes that are not idle
+      integer :: parts = 1                      !! vectors of double precision that have bodies
       integer :: next = 1                       !! body
    end type lane_state
 
@@ -53,6 +77,7 @@ contains
       integer :: shift, i
       shift = int(modulo(-transfer(c_loc(memory), 0_c_intptr_t), 64_c_intptr_t))/8
       call c_f_pointer(c_loc(memory(1 + shift)), store)
+      if (n <= d_width) memory = 0                    ! lanes that are never used
       do i = 1, 3
          cs%g(:, i) = real(problem%g(i), sp)
          do shift = 1, parts
@@ -64,7 +89,7 @@ contains
       call refill(problem, time, keep, n, y, q, carry, status, a)
       do while (a%live > 0)
          call substep(problem, orders, time, store, cd, cs, xd, xs, a, status)
-         if (count_done(a%left) == 0) cycle
+         if (count_done(a%left) <= width - a%live) cycle
          call finish(problem, time, keep, n, y, q, carry, status, a)
          call refill(problem, time, keep, n, y, q, carry, status, a)
       end do
@@ -85,14 +110,14 @@ contains
       real(dp) :: dw(d_width, 3, parts), turn(d_width, 4, parts)
       integer :: k, b, i, l
       logical :: far
-      do b = 1, parts
+      do b = 1, a%parts
          call enter(problem, a%y(:, :, b), a%y_carry(:, :, b), a%q(:, :, b), a%p(:, b), &
             store%w(:, :, :, b), store%n(:, :, :, b), store%m(:, :, :, b), cd(b))
       end do
       a%reach = a%left
       if (any_fast(a%p)) call refuse_fast(problem, a, status)
       if (.not. problem%simple) call fill_extras(problem, time, a, xd, xs)
-      do b = 1, parts
+      do b = 1, a%parts
          k = (b - 1)*d_width
          do i = 1, 6
             !GCC$ ivdep
@@ -109,7 +134,7 @@ contains
                store%n(:, :, :, b), store%m(:, :, :, b))
          end if
       end do
-      call to_single(orders%double, problem%fixed > 1, store)
+      call to_single(orders%double, problem%fixed > 1, a%parts, store)
       if (.not. problem%simple) call extras_to_single(orders%double, xd, xs)
       if (problem%fixed == 1) then
          call s_series_one(orders%double, orders%last, problem%simple, cs, xs, store%ws, store%ns, &
@@ -180,13 +205,14 @@ contains
    end subroutine seen
 
    !> Orders 0 to k in single precision.
-   subroutine to_single(k, two, store)
+   subroutine to_single(k, two, used, store)
       integer, intent(in) :: k
       logical, intent(in) :: two
+      integer, intent(in) :: used
       type(series_store), intent(inout) :: store
       integer :: b, i, j, l
       do j = 0, k
-         do b = 1, parts
+         do b = 1, used
             do i = 1, 3
                !GCC$ ivdep
                do l = 1, d_width
@@ -362,7 +388,12 @@ contains
             end do
          end do
       else
-         do b = 1, parts
+         do b = a%parts + 1, parts
+            dw(:, :, b) = 0
+            turn(:, :, b) = 0
+            excess(:, b) = -1
+         end do
+         do b = 1, a%parts
             k = (b - 1)*d_width
             h = a%h(:, b)*a%p(:, b)
             do i = 1, 3
@@ -435,13 +466,17 @@ contains
                e = e - q(l, 2)*q(l, 2)
                e = e - q(l, 3)*q(l, 3)
                e = e - q(l, 4)*q(l, 4)
-               s = q(l, 1)*carry(l, 1) + q(l, 2)*carry(l, 2) + q(l, 3)*carry(l, 3) &
-                  + q(l, 4)*carry(l, 4)
-               e = 0.5_dp*e - s
-               carry(l, 1) = carry(l, 1) + e*q(l, 1)
-               carry(l, 2) = carry(l, 2) + e*q(l, 2)
-               carry(l, 3) = carry(l, 3) + e*q(l, 3)
-               carry(l, 4) = carry(l, 4) + e*q(l, 4)
+               ! carries are of single precision where all increments are: their squares count
+               s = (q(l, 1) + q(l, 1) + carry(l, 1))*carry(l, 1) &
+                  + (q(l, 2) + q(l, 2) + carry(l, 2))*carry(l, 2) &
+                  + (q(l, 3) + q(l, 3) + carry(l, 3))*carry(l, 3) &
+                  + (q(l, 4) + q(l, 4) + carry(l, 4))*carry(l, 4)
+               e = e - s
+               e = e*(0.5_dp + e*(0.375_dp + e*(0.3125_dp + e*(0.2734375_dp + e*0.24609375_dp))))
+               carry(l, 1) = carry(l, 1) + e*(q(l, 1) + carry(l, 1))
+               carry(l, 2) = carry(l, 2) + e*(q(l, 2) + carry(l, 2))
+               carry(l, 3) = carry(l, 3) + e*(q(l, 3) + carry(l, 3))
+               carry(l, 4) = carry(l, 4) + e*(q(l, 4) + carry(l, 4))
             end do
          end associate
          !GCC$ ivdep
@@ -488,7 +523,7 @@ contains
       any_positive = signs >= 0
    end function any_positive
 
-   !> Lanes whose step h is done.
+   !> Lanes whose step h is done, idle ones among them.
    pure integer function count_done(left) result(number)
       real(dp), intent(in) :: left(width)
       integer :: l
@@ -512,9 +547,9 @@ contains
          do l = 1, d_width
             i = a%body(l, b)
             if (i == 0 .or. abs(a%left(l, b)) > 0) cycle
+            call settle(a%y(l, :, b), a%y_carry(l, :, b))
+            call settle(a%q(l, :, b), a%q_carry(l, :, b))
             if (.not. keep) then
-               a%y(l, :, b) = a%y(l, :, b) + a%y_carry(l, :, b)
-               a%q(l, :, b) = a%q(l, :, b) + a%q_carry(l, :, b)
                a%y_carry(l, :, b) = 0
                a%q_carry(l, :, b) = 0
             end if
@@ -534,7 +569,16 @@ contains
       end do
    end subroutine finish
 
-   !> A lane at rest, which can do no harm and is never done.
+   !> A carry of more than rounding goes into its number.
+   elemental subroutine settle(x, carry)
+      real(dp), intent(inout) :: x, carry
+      real(dp) :: s
+      s = x + carry
+      carry = carry - (s - x)
+      x = s
+   end subroutine settle
+
+   !> A lane at rest, which can do no harm.
    pure subroutine idle(l, b, a)
       integer, intent(in) :: l, b
       type(lane_state), intent(inout) :: a
@@ -544,7 +588,7 @@ contains
       a%y_carry(l, :, b) = 0
       a%q(l, :, b) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
       a%q_carry(l, :, b) = 0
-      a%left(l, b) = huge(1.0_dp)
+      a%left(l, b) = 0
    end subroutine idle
 
    !> Idle lanes take the next bodies. A quaternion that is off by more than rounding is drawn to
@@ -568,10 +612,7 @@ contains
                if (status(a%next) == poinsot_ok) exit
                a%next = a%next + 1
             end do
-            if (a%next > n) then
-               a%left(l, b) = huge(1.0_dp)
-               cycle
-            end if
+            if (a%next > n) cycle
             a%body(l, b) = a%next
             a%y(l, :, b) = y(:, a%next)
             a%q(l, :, b) = q(:, a%next)
@@ -590,6 +631,10 @@ contains
             a%next = a%next + 1
             a%live = a%live + 1
          end do
+      end do
+      a%parts = 1
+      do b = 2, parts
+         if (any(a%body(:, b) > 0)) a%parts = b
       end do
    end subroutine refill
 
@@ -853,3 +898,5 @@ contains
          end do
       end do
    end subroutine extras_to_single
+
+end module poinsot_taylor_lanes
