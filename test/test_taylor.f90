@@ -468,7 +468,8 @@ contains
          call go(plan, 0.0_dp, 100.0_dp, 0, 2, y, q, status, worst)
          angle = 600
          call check(error, worst == poinsot_ok .and. abs(norm2(q) - 1) < 4e-16_dp .and. &
-            abs(y(3, 1) - 3) <= 0 .and. abs(q(1, 1) - cos(angle)) < 1e-12_dp + 10*tolerances(k) .and. &
+            abs(y(3, 1) - 3) <= 0 .and. abs(q(1, 1) - cos(angle)) < &
+            1e-12_dp + 10*tolerances(k) .and. &
             abs(q(4, 1) - sin(angle)) < 1e-12_dp + 10*tolerances(k), "it does not sleep")
          if (allocated(error)) return
       end do

@@ -48,7 +48,8 @@ contains
       call put(file, magic // " " // text_of(version), error)
       call put(file, "method " // state%method, error)
       call put(file, "splitting " // state%splitting, error)
-      call put(file, "tolerance " // hex([state%tolerance]) // "  " // text_of(state%tolerance), error)
+      call put(file, "tolerance " // hex([state%tolerance]) // "  " // &
+         text_of(state%tolerance), error)
       call put(file, "t " // hex([state%t]) // "  " // text_of(state%t), error)
       call put(file, "h " // hex([state%h]) // "  " // text_of(state%h), error)
       call put(file, "step " // text_of(state%step), error)

@@ -11,8 +11,8 @@ module poinsot_study_candidates
    use poinsot_scene_names, only: effect_table
    use poinsot_scene_settings, only: scene_settings, body_group, random_thermal
    use poinsot_scene_text, only: quoted
-   use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name, find_splitting, &
-      achieved_order
+   use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name, &
+      find_splitting, achieved_order
    use poinsot_splitting_tableaux, only: splitting
    use poinsot_study_trial, only: make_plan
    implicit none(type, external)
@@ -185,8 +185,8 @@ contains
       splittings = pack(all, [(is_table(i), i=1, size(all))])
       if (size(named) > 0) splittings = named
       if (any(splittings == "taylor")) then
-         call raise(error, poinsot_e_method, "'taylor' chooses its steps by its tolerance: cost " // &
-            "and choose, which vary the step, do not take it")
+         call raise(error, poinsot_e_method, "'taylor' chooses its steps by its tolerance: " // &
+            "cost and choose, which vary the step, do not take it")
          return
       end if
       do i = 1, size(splittings)

@@ -328,7 +328,8 @@ contains
       do b = 1, parts
          do l = 1, d_width
             k = l + (b - 1)*d_width
-            least = min(r(k)*real(maxval(abs(problem%spin))/p(l, b), sp)/longest + almost_one, 2e9_sp)
+            least = real(maxval(abs(problem%spin))/p(l, b), sp)/longest
+            least = min(r(k)*least + almost_one, 2e9_sp)
             parts_left(k) = max(parts_left(k), real(int(least, i4), sp))
             part(k) = 1/parts_left(k)
          end do

@@ -38,10 +38,10 @@ module poinsot_taylor_problem
       real(dp) :: basis(3, 3) = 0             !! (space components, vectors), orthonormal
       type(space_direction), allocatable :: other(:) !! directions after the basis, of length 1
       real(dp), allocatable :: axis(:, :)     !! (3, other): their axes in the basis
-      logical :: simple = .true.              !! nothing but one direction and arms, which give M no diagonal
+      logical :: simple = .true.              !! one direction and arms: M has no diagonal
       real(dp), allocatable :: linear(:, :, :)       !! (3, 3, directions): torque = M d
       real(dp), allocatable :: difference(:, :)      !! (3, directions): quadratic torques
-      real(dp), allocatable :: product(:, :, :)      !! (3, 3, directions): K23, K31, K12 / I1, I2, I3
+      real(dp), allocatable :: product(:, :, :)      !! (3, 3, directions): K23, K31, K12 / I
       real(dp) :: body(3) = 0                 !! constant torque in the body frame
       real(dp), allocatable :: frequency(:), phase(:)        !! harmonic torques
       real(dp), allocatable :: harmonic(:, :, :, :)          !! (3, 3, fixed, waves)
@@ -163,14 +163,16 @@ contains
       rates = 0
       do i = 1, size(parts%linear)
          do j = 1, 3
-            t(j) = t(j) + small*norm2(small*parts%linear(i)%matrix(j, :))*maxval(abs(parts%linear(i)%e%at))
+            t(j) = t(j) + small*norm2(small*parts%linear(i)%matrix(j, :))* &
+               maxval(abs(parts%linear(i)%e%at))
          end do
          rates(1) = max(rates(1), abs(parts%linear(i)%e%rate))
          if (parts%linear(i)%harmonic) rates(2) = max(rates(2), abs(parts%linear(i)%frequency))
       end do
       t = 2*t/small
       do i = 1, size(parts%quadratic)
-         t = t + small*(abs(parts%quadratic(i)%difference)*0.5_dp + sum(abs(parts%quadratic(i)%product)))
+         t = t + small*(abs(parts%quadratic(i)%difference)*0.5_dp + &
+            sum(abs(parts%quadratic(i)%product)))
          rates(3) = max(rates(3), abs(parts%quadratic(i)%e%rate))
       end do
       do i = 1, size(parts%body)
@@ -241,8 +243,8 @@ contains
             problem%fixed)
       end do
       do i = 1, size(parts%quadratic)
-         if (turns(parts%quadratic(i)%e)) call add_direction(parts%quadratic(i)%e%axis, problem%basis, &
-            problem%fixed)
+         if (turns(parts%quadratic(i)%e)) call add_direction( &
+            parts%quadratic(i)%e%axis, problem%basis, problem%fixed)
       end do
       allocate (rows(3, 0))
       do i = 1, size(parts%linear)

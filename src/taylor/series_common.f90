@@ -15,12 +15,13 @@ module poinsot_taylor_series_common
    !> sin a = a + a u (s1 + s2 u + ...), cos a = 1 + u (c1 + c2 u + ...), u = a^2.
    real(dp), parameter :: sine_series(10) = [-1.0_dp/6, 1.0_dp/120, -1.0_dp/5040, 1.0_dp/362880, &
       -1.0_dp/39916800, 1.0_dp/6227020800.0_dp, -1.0_dp/1307674368000.0_dp, &
-      1.0_dp/355687428096000.0_dp, -1.0_dp/121645100408832000.0_dp, 1.0_dp/51090942171709440000.0_dp]
+      1.0_dp/355687428096000.0_dp, -1.0_dp/121645100408832000.0_dp, &
+      1.0_dp/51090942171709440000.0_dp]
    real(dp), parameter :: cosine_series(10) = [-1.0_dp/2, 1.0_dp/24, -1.0_dp/720, 1.0_dp/40320, &
       -1.0_dp/3628800, 1.0_dp/479001600, -1.0_dp/87178291200.0_dp, 1.0_dp/20922789888000.0_dp, &
       -1.0_dp/6402373705728000.0_dp, 1.0_dp/2432902008176640000.0_dp]
 
-   real(dp), parameter :: farthest_turn = 0.9_dp    !! sin^2 of half the turn of a direction in a step
+   real(dp), parameter :: farthest_turn = 0.9_dp    !! sin^2 of half a direction's turn in a step
    real(dp), parameter :: farthest_angle = 1.35_dp  !! half the angle about it
 
 end module poinsot_taylor_series_common

@@ -1,8 +1,8 @@
-!> Taylor series of 8 bodies side by side in double precision (poinsot_taylor_lanes has the method).
+!> Taylor series of 8 bodies side by side in double precision.
 module poinsot_taylor_series_double
    use poinsot_core_kinds, only: wp => dp
-   use poinsot_taylor_series_common, only: top => last_double, reciprocal, sine_series, cosine_series, &
-      turn_limit => farthest_turn, angle_limit => farthest_angle
+   use poinsot_taylor_series_common, only: top => last_double, reciprocal, sine_series, &
+      cosine_series, turn_limit => farthest_turn, angle_limit => farthest_angle
    implicit none(type, external)
    private
    public :: lane_constants, lane_extras, width, series_one, series_two, fill_cosine, &

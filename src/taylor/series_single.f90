@@ -1,8 +1,8 @@
-!> Taylor series of 16 bodies side by side in single precision (poinsot_taylor_lanes has the method).
+!> Taylor series of 16 bodies side by side in single precision.
 module poinsot_taylor_series_single
    use poinsot_core_kinds, only: wp => sp
-   use poinsot_taylor_series_common, only: top => last_order, reciprocal, sine_series, cosine_series, &
-      turn_limit => farthest_turn, angle_limit => farthest_angle
+   use poinsot_taylor_series_common, only: top => last_order, reciprocal, sine_series, &
+      cosine_series, turn_limit => farthest_turn, angle_limit => farthest_angle
    implicit none(type, external)
    private
    public :: lane_constants, lane_extras, width, series_one, series_two, fill_cosine, &
