@@ -308,7 +308,6 @@ poinsot_status poinsot_plan_class_axes(const poinsot_plan *plan, int number, dou
  *   "tolerance"  of the splitting "taylor", relative: 1e-15 to 1e-2 ("1e-12")
  *   "physical"   "yes", or "no": classes added from then on may have any moments that are zero or positive, of whatever sum
  *                (where one is zero and the others differ, they become their mean: Euler's equations have no other motion)
- *   "tolerance"  of splitting "taylor", "1e-15" to "1e-2"; "1e-12" if not set
  * POINSOT_E_METHOD for an unknown option or name, POINSOT_E_DOMAIN for a number out of range or a plan that is ready. */
 poinsot_status poinsot_plan_set(poinsot_plan *plan, const char *option, const char *value);
 
@@ -388,8 +387,6 @@ void poinsot_plan_add_tensor_f_(const int64_t *plan, const double inertia[9], in
 /* option 1 method, 2 splitting: value their number; 3 layout: 1 native, 2 lammps, 3 dl_poly, 4 hoomd; 4 momentum: 1 to 5 in the
  * order above; 5 frame: 1 body, 2 space; 6 threads; 7 seed; 8 physical: 1 yes, 2 no. */
 void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *value, int *status);
-/* Option "tolerance". */
-void poinsot_plan_tolerance_f_(const int64_t *plan, const double *tolerance, int *status);
 /* U = weight * (Q^T up) . centre, on all classes. */
 void poinsot_plan_gravity_f_(const int64_t *plan, const double centre[3], const double *weight, const double up[3], int *status);
 /* The option "tolerance". */

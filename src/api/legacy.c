@@ -93,12 +93,6 @@ void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *valu
   *status = key && text ? poinsot_plan_set(plan_of(plan), key, text) : POINSOT_E_METHOD;
 }
 
-void poinsot_plan_tolerance_f_(const int64_t *plan, const double *tolerance, int *status) {
-  char number[32];
-  snprintf(number, sizeof number, "%.17g", *tolerance);
-  *status = poinsot_plan_set(plan_of(plan), "tolerance", number);
-}
-
 void poinsot_plan_gravity_f_(const int64_t *plan, const double centre[3], const double *weight, const double up[3], int *status) {
   char text[256];
   snprintf(text, sizeof text, "centre = %.17g %.17g %.17g; weight = %.17g; up = %.17g %.17g %.17g", centre[0], centre[1],
