@@ -78,6 +78,7 @@ contains
       shift = int(modulo(-transfer(c_loc(memory), 0_c_intptr_t), 64_c_intptr_t))/8
       call c_f_pointer(c_loc(memory(1 + shift)), store)
       if (n <= d_width) memory = 0                    ! lanes that are never used
+      cs%arm = 0
       do i = 1, 3
          cs%g(:, i) = real(problem%g(i), sp)
          do shift = 1, parts
