@@ -4,7 +4,6 @@ module poinsot_ensemble_compose
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
       poinsot_e_size
-      poinsot_e_size
    use poinsot_body_class, only: extend_class
    use poinsot_effect_effect, only: effect, effect_item, flow_effect, pair_effect
    use poinsot_effect_frame, only: depends_on_frame, turn_settings, turn_class_vectors, &
