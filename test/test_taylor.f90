@@ -453,7 +453,8 @@ contains
       call check(error, norm2(y(:, 1) - known) < 8e-15_dp, "not the published state")
    end subroutine test_floor
 
-   !> Spin along the vertical: the angle about it grows without bound, nothing else moves.
+   !> Spin along the vertical: the angle about it grows without bound, nothing else moves. At 1e-6 all
+   !> increments are of single precision: 600 radians lose up to 4e-5, by the same rounding each time.
    subroutine test_sleeping(error)
       type(error_type), allocatable, intent(out) :: error
       type(poinsot_plan) :: plan
@@ -469,8 +470,8 @@ contains
          angle = 600
          call check(error, worst == poinsot_ok .and. abs(norm2(q) - 1) < 4e-16_dp .and. &
             abs(y(3, 1) - 3) <= 0 .and. abs(q(1, 1) - cos(angle)) < &
-            1e-12_dp + 10*tolerances(k) .and. &
-            abs(q(4, 1) - sin(angle)) < 1e-12_dp + 10*tolerances(k), "it does not sleep")
+            1e-12_dp + 40*tolerances(k) .and. &
+            abs(q(4, 1) - sin(angle)) < 1e-12_dp + 40*tolerances(k), "it does not sleep")
          if (allocated(error)) return
       end do
    end subroutine test_sleeping
