@@ -115,28 +115,33 @@ static size_t change(unsigned char *x, size_t n) {
 
 /* The sum at the end of a restart file made right again, so that what it guards is reached. */
 static size_t mend(unsigned char *x, size_t n) {
-  uint64_t sum = 0, bits[2] = {0, 0}, step = 0, seed = 0;
+  uint64_t sum = 0, t = 0, h = 0, tolerance = 0, step = 0, seed = 0;
   char text[longest + 1], *line, *next, end[32];
-  int k = 0;
+  int head = 1; /* behind the line "bodies" come their states */
   memcpy(text, x, n);
   text[n] = 0;
-  for (line = text; line && *line; line = next, k++) {
+  for (line = text; line && *line; line = next) {
     next = strchr(line, '\n');
     if (next) *next++ = 0;
-    if (k == 3) bits[0] = strtoull(line + (strlen(line) > 2 ? 2 : strlen(line)), NULL, 16);
-    if (k == 4) bits[1] = strtoull(line + (strlen(line) > 2 ? 2 : strlen(line)), NULL, 16);
-    if (k == 5) step = strtoll(line + (strlen(line) > 5 ? 5 : strlen(line)), NULL, 10);
-    if (k == 6) seed = strtoll(line + (strlen(line) > 5 ? 5 : strlen(line)), NULL, 10);
-    if (k == 8) {
+    if (head) {
+      if (strncmp(line, "t ", 2) == 0) t = strtoull(line + 2, NULL, 16);
+      if (strncmp(line, "h ", 2) == 0) h = strtoull(line + 2, NULL, 16);
+      if (strncmp(line, "tolerance ", 10) == 0) tolerance = strtoull(line + 10, NULL, 16); /* since version 2 */
+      if (strncmp(line, "step ", 5) == 0) step = strtoll(line + 5, NULL, 10);
+      if (strncmp(line, "seed ", 5) == 0) seed = strtoll(line + 5, NULL, 10);
+      if (strncmp(line, "bodies ", 7) != 0) continue;
+      head = 0;
       sum = step ^ (seed << 32 | seed >> 32);
-      sum = (sum << 5 | sum >> 59) ^ bits[0];
-      sum = (sum << 5 | sum >> 59) ^ bits[1];
+      sum = (sum << 5 | sum >> 59) ^ t;
+      sum = (sum << 5 | sum >> 59) ^ h;
+      if ((int64_t)tolerance > 0) sum = (sum << 5 | sum >> 59) ^ tolerance;
+      continue;
     }
-    if (k > 8 && strncmp(line, "end ", 4) == 0) {
+    if (strncmp(line, "end ", 4) == 0) {
       snprintf(end, sizeof end, "end %016llX\n", (unsigned long long)sum);
       return splice(x, n, (size_t)(line - text), n - (size_t)(line - text), end, strlen(end));
     }
-    if (k > 8) {
+    {
       char *p = line, *q;
       for (;; p = q) {
         uint64_t v = strtoull(p, &q, 16);
