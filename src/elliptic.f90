@@ -1,5 +1,5 @@
-!> Elliptic functions and integrals, for programs: `use poinsot_elliptic`. docs/functions.md shows
-!> how they are used; in C they are poinsot_elliptic_..., poinsot_jacobi..., poinsot_carlson_...
+!> Elliptic functions and integrals, for programs: `use poinsot_elliptic`; in C they are
+!> poinsot_elliptic_..., poinsot_jacobi..., poinsot_carlson_...
 !>
 !> The parameter is m = k**2, in [0, 1]; all functions of it take m1 = 1 - m besides, as a last and
 !> optional argument, for those who know it better than 1 - m. The characteristic n of Pi stands in

@@ -1,6 +1,5 @@
 !> Rotations, for programs: `use poinsot_rotation`. Vectors, quaternions, their conversions, random
-!> attitudes, inertia. docs/functions.md shows how they are used; in C they are
-!> poinsot_quaternion_...
+!> attitudes, inertia; in C they are poinsot_quaternion_...
 !>
 !> Quaternions are q = (q0, q1, q2, q3), scalar first, Hamilton's product. A unit quaternion is an
 !> attitude, body to space: x = Q X = rotate(q, X); q and -q are the same. Angles are radians, reals
