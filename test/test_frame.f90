@@ -106,8 +106,9 @@ contains
       do k = 1, size(info%keys)
          do i = 1, size(settings)
             if (settings(i)%key /= info%keys(k)%name) cycle
-            if (index(info%keys(k)%frame, "vector") > 0) &
+            if (index(info%keys(k)%frame, "vector") > 0) then
                settings(i)%values = matmul(transpose(axes), settings(i)%values)
+            end if
          end do
       end do
    end subroutine turn_by_hand

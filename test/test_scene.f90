@@ -520,8 +520,8 @@ contains
    !> What another version of these tests left.
    subroutine remove_folder(folder)
       character(*), intent(in) :: folder
-      integer :: state, code
-      call execute_command_line("rm -rf " // output // "/" // folder, exitstat=state, cmdstat=code)
+      integer :: state
+      call execute_command_line("rm -rf " // output // "/" // folder, exitstat=state)
    end subroutine remove_folder
 
    !> Published data 1: the review's figure 1, to the digits.

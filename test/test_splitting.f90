@@ -13,8 +13,8 @@ module test_splitting
    use poinsot_effect_settings, only: number_setting
    use poinsot_effect_registry, only: make_effect
    use poinsot_splitting_tableaux, only: splitting, operation
-   use poinsot_splitting_registry, only: is_table, find_splitting, splitting_count, splitting_name, &
-      achieved_order
+   use poinsot_splitting_registry, only: is_table, find_splitting, splitting_count, &
+      splitting_name, achieved_order
    use poinsot_splitting_stepper, only: flows, run_steps
    use test_splitting_motion, only: collect_motion
    use test_turning, only: bench, set_up, place, run, no_effects, generic_moments_of, &

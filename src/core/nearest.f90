@@ -76,8 +76,9 @@ contains
             next(j) = min(row(j) + 1, next(j - 1) + 1, &
                row(j - 1) + merge(0, 1, same_letter(a(i:i), b(j:j))))
             if (i == 1 .or. j == 1) cycle
-            if (same_letter(a(i:i), b(j - 1:j - 1)) .and. same_letter(a(i - 1:i - 1), b(j:j))) &
+            if (same_letter(a(i:i), b(j - 1:j - 1)) .and. same_letter(a(i - 1:i - 1), b(j:j))) then
                next(j) = min(next(j), before(j - 2) + 1)
+            end if
          end do
          before(0:) = row
          row = next

@@ -101,12 +101,12 @@ contains
    pure subroutine count_out(least, most, h)
       integer, intent(in) :: least, most      !! class numbers
       type(class_sorted_chunk), intent(inout) :: h
-      integer :: at(h%n), class(h%n), next(least:most), i, place, n
+      integer :: at(h%n), number(h%n), next(least:most), i, place, n
       at = h%at(:h%n)
-      class = h%class(:h%n)
+      number = h%class(:h%n)
       next = 0
       do i = 1, h%n
-         next(class(i)) = next(class(i)) + 1
+         next(number(i)) = next(number(i)) + 1
       end do
       place = 1
       do i = least, most
@@ -115,10 +115,10 @@ contains
          place = place + n
       end do
       do i = 1, h%n
-         place = next(class(i))
-         next(class(i)) = place + 1
+         place = next(number(i))
+         next(number(i)) = place + 1
          h%at(place) = at(i)
-         h%class(place) = class(i)
+         h%class(place) = number(i)
       end do
    end subroutine count_out
 

@@ -45,8 +45,8 @@ contains
       call check_pairs(plan, view, error)
       if (raised(error)) return
       if (plan%splitting%adaptive) then
-         call raise(error, poinsot_e_method, "splitting 'taylor' needs torques as data, which a " // &
-                    "callback is not; 'srkn6' takes it")
+         call raise(error, poinsot_e_method, "splitting 'taylor' needs torques as data, which " // &
+                    "a callback is not; 'srkn6' takes it")
          return
       end if
       if (plan%splitting%needs_gradient .and. associated(system%callback)) then

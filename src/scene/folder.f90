@@ -238,7 +238,7 @@ contains
          call split(trim(line(label_width + 1:)), names)
          exit
       end do
-      close (unit, iostat=code)
+      close (unit)
       if (ours .and. size(names) == 0) call version_1_files(names)
    end subroutine old_files
 

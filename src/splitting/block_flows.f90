@@ -36,10 +36,10 @@ module poinsot_splitting_block_flows
       logical :: stored                       !! the caller's arrays have the result already
       logical :: drops                        !! momentum about an axis without inertia was dropped
       logical :: dropped(lanes)               !! in these lanes, if so
-      type(body_class), pointer :: class
+      type(body_class), pointer :: class => null()
       ! set by `attach`: what acts on it
-      type(free_method), pointer :: method
-      type(class_flows), pointer :: acting
+      type(free_method), pointer :: method => null()
+      type(class_flows), pointer :: acting => null()
       type(effect_item), pointer :: effects(:) !! of the plan
       integer(i8) :: seed                     !! of random numbers
       ! work space

@@ -8,8 +8,8 @@ module poinsot_splitting_registry
       scheme_count, scheme_row
    implicit none(type, external)
    private
-   public :: is_table, splitting_names, splitting_count, splitting_name, find_splitting, splitting_flows, &
-      achieved_order
+   public :: is_table, splitting_names, splitting_count, splitting_name, find_splitting, &
+      splitting_flows, achieved_order
 
 contains
 

@@ -488,8 +488,8 @@ contains
       end do
    end subroutine add
 
-   !> Does a rate need a look? Bits of positive numbers compare like the numbers, and a loop over them
-   !> makes a vector of it.
+   !> Does a rate need a look? Bits of positive numbers compare like the numbers, and a loop over
+   !> them makes a vector of it.
    pure logical function any_fast(p)
       real(dp), intent(in) :: p(width)
       integer(i8) :: most
@@ -609,8 +609,9 @@ contains
          do l = 1, d_width
             if (a%body(l, b) > 0) cycle
             do while (a%next <= n)
-               if (status(a%next) == poinsot_ok .and. problem%too_strong) &
+               if (status(a%next) == poinsot_ok .and. problem%too_strong) then
                   status(a%next) = poinsot_e_domain
+               end if
                if (status(a%next) == poinsot_ok) exit
                a%next = a%next + 1
             end do

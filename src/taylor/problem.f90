@@ -234,8 +234,9 @@ contains
       do i = 1, size(parts%quadratic)
          if (turns(parts%quadratic(i)%e)) cycle
          associate (v => parts%quadratic(i)%e%at/norm2(parts%quadratic(i)%e%at))
-            if (all(abs(matmul(v, problem%basis(:, :problem%fixed))) <= equal)) &
+            if (all(abs(matmul(v, problem%basis(:, :problem%fixed))) <= equal)) then
                call add_direction(v, problem%basis, problem%fixed)
+            end if
          end associate
       end do
       do i = 1, size(parts%linear)
@@ -447,8 +448,8 @@ contains
       end do
    end subroutine fill_table
 
-   !> Cosines and sines of the phases of all harmonic torques at one time. In a file of its own beside
-   !> the loops over lanes: these would take a vector function of other bits.
+   !> Cosines and sines of the phases of all harmonic torques at one time. In a file of its own
+   !> beside the loops over lanes: these would take a vector function of other bits.
    pure subroutine see_phases(problem, now, cosine, sine)
       type(taylor_problem), intent(in) :: problem
       real(dp), intent(in) :: now

@@ -2,6 +2,7 @@
 ! `dp`, an `i8`, a `clear` and a `raised` of its own, and an effect of its own.
 module host_kinds
    implicit none(type, external)
+   public
    integer, parameter :: dp = kind(1.0d0), i8 = selected_int_kind(18)
 contains
    pure subroutine clear(x)
@@ -18,6 +19,8 @@ module host_effect
    use host_kinds, only: dp
    use poinsot, only: poinsot_user_potential
    implicit none(type, external)
+   private
+   public :: pendulum
 
    !> U = weight Q33: gravity on a body whose centre lies at distance 1 on axis 3.
    type, extends(poinsot_user_potential) :: pendulum
@@ -40,8 +43,10 @@ contains
 end module host_effect
 
 program consumer
+   ! allow(C121): bare, as hosts do it
    use host_kinds
    use host_effect, only: pendulum
+   ! allow(C121)
    use poinsot
    implicit none(type, external)
    type(poinsot_error) :: error
