@@ -5,10 +5,10 @@ module test_effect_random
    use poinsot_core_kinds, only: dp, i4, i8, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_effect_effect, only: effect_item, flow_effect
-   use poinsot_effect_gaussian, only: gaussian_block, philox_block
+   use poinsot_effect_gaussian, only: gaussian_block
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: number_setting
-   use poinsot_rotation_random, only: random_words
+   use poinsot_rotation_random, only: philox_block, random_words
    use test_bodies, only: random_stream, start_stream, random_quaternion
    use test_turning, only: bench, set_up, place, run, rotated, generic_moments_of, &
       generic_y, generic_q

@@ -5,13 +5,13 @@
 !> key, the counter holds body, step and stream. 32-bit words live in 64-bit integers with masks, so
 !> nothing wraps.
 module poinsot_rotation_random
-   use poinsot_core_kinds, only: dp, i4, i8
+   use poinsot_core_kinds, only: dp, i4, i8, lanes
    use poinsot_core_libm, only: cosine, logarithm, sine
    use poinsot_rotation_vector, only: unit_vector
    use poinsot_rotation_quaternion, only: normalise
    implicit none(type, external)
    private
-   public :: philox4x32, random_words, uniform_from_words
+   public :: philox4x32, philox_block, random_words, uniform_from_words
    public :: random_uniform, random_gaussian, random_quaternion, random_direction
    public :: stream_attitude, stream_direction, stream_momentum, stream_noise
 
@@ -37,33 +37,53 @@ contains
       integer(i8), intent(out) :: high, low
       integer(i8) :: lower, upper
       lower = a*iand(b, low_16)
-      upper = a*ishft(b, -16) + ishft(lower, -16)
-      high = ishft(upper, -16)
-      low = ior(ishft(iand(upper, low_16), 16), iand(lower, low_16))
+      upper = a*shiftr(b, 16) + shiftr(lower, 16)
+      high = shiftr(upper, 16)
+      low = ior(shiftl(iand(upper, low_16), 16), iand(lower, low_16))
    end subroutine multiply_words
 
-   !> One Philox4x32-10 block: four random words of four counter words and two key words. Elemental,
-   !> so that a block of lanes goes through the same code.
+   !> One of the ten rounds, with the key of that round.
+   elemental subroutine philox_round(key1, key2, w1, w2, w3, w4)
+      integer(i8), intent(in) :: key1, key2
+      integer(i8), intent(inout) :: w1, w2, w3, w4
+      integer(i8) :: high1, low1, high2, low2
+      call multiply_words(multiplier(1), w1, high1, low1)
+      call multiply_words(multiplier(2), w3, high2, low2)
+      w1 = ieor(ieor(high2, w2), key1)
+      w3 = ieor(ieor(high1, w4), key2)
+      w2 = low2
+      w4 = low1
+   end subroutine philox_round
+
+   !> One Philox4x32-10 block: four random words of four counter words and two key words.
    elemental subroutine philox4x32(c1, c2, c3, c4, k1, k2, w1, w2, w3, w4)
       integer(i8), intent(in) :: c1, c2, c3, c4   !! counter words, 0 to 2**32 - 1, least first
       integer(i8), intent(in) :: k1, k2           !! key words, 0 to 2**32 - 1
       integer(i8), intent(out) :: w1, w2, w3, w4  !! random words, 0 to 2**32 - 1
-      integer(i8) :: key1, key2, high1, low1, high2, low2
       integer :: round
       w1 = c1; w2 = c2; w3 = c3; w4 = c4
-      key1 = k1
-      key2 = k2
-      do round = 1, rounds
-         call multiply_words(multiplier(1), w1, high1, low1)
-         call multiply_words(multiplier(2), w3, high2, low2)
-         w1 = ieor(ieor(high2, w2), key1)
-         w2 = low2
-         w3 = ieor(ieor(high1, w4), key2)
-         w4 = low1
-         key1 = iand(key1 + weyl(1), low_32)
-         key2 = iand(key2 + weyl(2), low_32)
+      do round = 0, rounds - 1
+         call philox_round(iand(k1 + round*weyl(1), low_32), iand(k2 + round*weyl(2), low_32), &
+            w1, w2, w3, w4)
       end do
    end subroutine philox4x32
+
+   !> The same for every lane of a block: rounds outside, so that the loop over lanes makes a vector.
+   pure subroutine philox_block(key, counter, word)
+      integer(i8), intent(in) :: key(2)            !! key words, as above
+      integer(i8), intent(in) :: counter(lanes, 4) !! counter words
+      integer(i8), intent(out) :: word(lanes, 4)   !! random words
+      integer(i8) :: k(2)
+      integer :: round, i
+      word = counter
+      do round = 0, rounds - 1
+         k = iand(key + round*weyl, low_32)
+         !$omp simd
+         do i = 1, lanes
+            call philox_round(k(1), k(2), word(i, 1), word(i, 2), word(i, 3), word(i, 4))
+         end do
+      end do
+   end subroutine philox_block
 
    !> Four random words of (seed, id, step, stream).
    elemental subroutine random_words(seed, id, step, stream, w1, w2, w3, w4)

@@ -10,6 +10,7 @@ module poinsot_study_defects
    use poinsot_core_kinds, only: dp, qp
    use poinsot_study_dual, only: dual, constant, variable, value_of
    use poinsot_study_maps, only: step_map, dual_product
+   use poinsot_study_quadruple, only: cross
    implicit none(type, external)
    private
    public :: defects, measure_defects, plain_step
@@ -154,11 +155,5 @@ contains
       t = 2*cross(q(2:4), v)
       u = v + (q(1)*t + cross(q(2:4), t))/sum(q*q)
    end function rotate
-
-   pure function cross(a, b) result(c)
-      real(qp), intent(in) :: a(3), b(3)
-      real(qp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 
 end module poinsot_study_defects

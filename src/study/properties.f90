@@ -10,6 +10,7 @@ module poinsot_study_properties
    use poinsot_core_error, only: poinsot_error, raised, raise
    use poinsot_core_status, only: poinsot_ok, poinsot_e_convergence
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
+   use poinsot_rotation_quaternion, only: rotate
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
    use poinsot_study_defects, only: defects, measure_defects, plain_step
    use poinsot_study_write_line, only: write_line
@@ -150,28 +151,14 @@ contains
       end do
       yk = y
       qk = attitude
-      before = space_momentum(yk, qk)
+      before = rotate(qk, yk)
       call turn_one(trim(row%name), moments, h/3, 100, yk, qk, status)
-      after = space_momentum(yk, qk)
+      after = rotate(qk, yk)
       row%kernel(1) = max(row%kernel(1), norm2(after - before)/norm2(y))
       row%kernel(2) = max(row%kernel(2), abs(sum(yk*yk)/sum(y*y) - 1))
       row%kernel(3) = max(row%kernel(3), abs(sum(yk*yk/moments)/sum(y*y/moments) - 1))
       row%kernel(4) = max(row%kernel(4), abs(norm2(qk) - 1))
    end subroutine at_state
-
-   !> Q y.
-   pure function space_momentum(y, q) result(p)
-      real(dp), intent(in) :: y(3), q(4)
-      real(dp) :: p(3), t(3)
-      t = 2*cross(q(2:4), y)
-      p = y + (q(1)*t + cross(q(2:4), t))
-   end function space_momentum
-
-   pure function cross(a, b) result(c)
-      real(dp), intent(in) :: a(3), b(3)
-      real(dp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 
    !> Two equal moments and the axis of symmetry; axis 0: a sphere.
    subroutine symmetric_body(moments, axis, row)

@@ -7,7 +7,7 @@ module poinsot_study_quadruple
    use poinsot_core_kinds, only: dp, qp
    implicit none(type, external)
    private
-   public :: turn_freely
+   public :: turn_freely, cross
 
    integer, parameter :: terms = 24                 !! of the series
    real(qp), parameter :: longest_default = 0.5_qp  !! step times angular velocity
@@ -189,8 +189,8 @@ contains
       rho(1) = sqrt(0.5_qp + sqrt(1 - 4*sum(v**2))/2)
       rho(2:4) = v/rho(1)
       ! R(rho)^T y
-      w = 2*crossed(y, rho(2:4))
-      y = y + rho(1)*w + crossed(w, rho(2:4))
+      w = 2*cross(y, rho(2:4))
+      y = y + rho(1)*w + cross(w, rho(2:4))
       where (.not. body%i > 0) y = 0
       rho(2:4) = body%parity*rho(2:4)
       call unsort(body%order, rho(2:4))
@@ -205,17 +205,18 @@ contains
       v(order) = keep
    end subroutine unsort
 
-   pure function crossed(u, v) result(w)
+   !> u x v.
+   pure function cross(u, v) result(w)
       real(qp), intent(in) :: u(3), v(3)
       real(qp) :: w(3)
       w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]
-   end function crossed
+   end function cross
 
    pure function product_of(p, q) result(r)
       real(qp), intent(in) :: p(4), q(4)
       real(qp) :: r(4)
       r(1) = p(1)*q(1) - dot_product(p(2:4), q(2:4))
-      r(2:4) = p(1)*q(2:4) + q(1)*p(2:4) + crossed(p(2:4), q(2:4))
+      r(2:4) = p(1)*q(2:4) + q(1)*p(2:4) + cross(p(2:4), q(2:4))
    end function product_of
 
 end module poinsot_study_quadruple
