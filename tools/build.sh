@@ -36,8 +36,8 @@ quietly() {
 by_fpm() {
    command=$1
    shift
-   for included in src/taylor/*.inc; do
-      for user in $(grep -l "include '${included##*/}'" src/taylor/*.f90); do
+   for included in $(find src -name '*.inc'); do
+      for user in $(grep -l "include ['\"].*${included##*/}" -r src --include='*.f90'); do
          for object in build/*/poinsot/"$(printf %s "$user" | tr / _)".o; do
             [ "$included" -nt "$object" ] && rm -f "$object.digest"
          done

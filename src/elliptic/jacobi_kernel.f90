@@ -366,12 +366,6 @@ contains
       end do
    end subroutine quotients
 
-   !> a where the mask is all ones, b where it is zero: a choice the compiler cannot turn into a
-   !> branch.
-   elemental real(dp) function choose(mask, a, b)
-      integer(i8), intent(in) :: mask
-      real(dp), intent(in) :: a, b
-      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
-   end function choose
+   include "../core/choose.inc"
 
 end module poinsot_elliptic_jacobi_kernel

@@ -117,11 +117,6 @@ contains
       end do
    end subroutine last_terms
 
-   !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
-   elemental real(dp) function choose(mask, a, b)
-      integer(i8), intent(in) :: mask
-      real(dp), intent(in) :: a, b
-      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
-   end function choose
+   include "../core/choose.inc"
 
 end module poinsot_elliptic_third_kind

@@ -465,11 +465,6 @@ contains
       end do
    end subroutine rotation_increments
 
-   !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
-   elemental real(dp) function choose(mask, a, b)
-      integer(i8), intent(in) :: mask
-      real(dp), intent(in) :: a, b
-      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
-   end function choose
+   include "../core/choose.inc"
 
 end module poinsot_free_exact_step

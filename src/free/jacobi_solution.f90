@@ -152,18 +152,8 @@ contains
       where (too_long(:n) /= 0_i8) status(:n) = poinsot_e_step
    end subroutine block_increment
 
-   !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
-   elemental real(dp) function choose(mask, a, b)
-      integer(i8), intent(in) :: mask
-      real(dp), intent(in) :: a, b
-      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
-   end function choose
-
-   !> Mask of x < y, both finite and neither negative.
-   elemental integer(i8) function below(x, y)
-      real(dp), intent(in) :: x, y
-      below = shifta(transfer(x, below) - transfer(y, below), 63)
-   end function below
+   include "../core/choose.inc"
+   include "../core/below.inc"
 
    !> Constants of a body; the zero moment of a linear one is taken as equal to the others.
    pure type(axes_constants) function constants_of(first, middle, last, top) result(axes)

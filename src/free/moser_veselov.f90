@@ -312,17 +312,7 @@ contains
       end do
    end subroutine apply
 
-   !> a where the mask is all ones, b where it is zero: a choice that cannot become a branch.
-   elemental real(dp) function choose(mask, a, b)
-      integer(i8), intent(in) :: mask
-      real(dp), intent(in) :: a, b
-      choose = transfer(ior(iand(transfer(a, mask), mask), iand(transfer(b, mask), not(mask))), a)
-   end function choose
-
-   !> Mask of x < y, both finite and neither negative.
-   elemental integer(i8) function below(x, y)
-      real(dp), intent(in) :: x, y
-      below = shifta(transfer(x, below) - transfer(y, below), 63)
-   end function below
+   include "../core/choose.inc"
+   include "../core/below.inc"
 
 end module poinsot_free_moser_veselov
