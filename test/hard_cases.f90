@@ -9,6 +9,7 @@ module test_hard_cases
    use test_bodies, only: permute_body, random_body
    use test_free_tools, only: method_names, method_orders, approximate_count, turn_body, text
    use test_measure, only: attitude_distance, momentum_distance
+   use test_oracle_algebra, only: rotate
    use test_oracle_taylor, only: taylor_report, taylor_flow, free_problem, conditioning
    implicit none(type, external)
    private
@@ -212,21 +213,8 @@ contains
       real(dp) :: scale
       scale = maxval(abs(y0))
       gap = 0
-      if (scale > 1e-290_dp) gap = norm2(turned(q, y/scale) - turned(q0, y0/scale))
+      if (scale > 1e-290_dp) gap = norm2(rotate(q, y/scale) - rotate(q0, y0/scale))
    end function space_momentum_gap
-
-   pure function turned(q, v) result(w)
-      real(dp), intent(in) :: q(4), v(3)
-      real(dp) :: w(3), t(3)
-      t = 2*cross(q(2:4), v)
-      w = v + q(1)*t + cross(q(2:4), t)
-   end function turned
-
-   pure function cross(a, b) result(c)
-      real(dp), intent(in) :: a(3), b(3)
-      real(dp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 
    !> Equal to the last bit, but for the sign of a zero.
    pure logical function unmoved(a, b)

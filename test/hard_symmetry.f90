@@ -16,7 +16,7 @@ module test_hard_symmetry
    use poinsot_free_method, only: method_count, method_name
    use test_bodies, only: random_stream, start_stream, random_quaternion, uniform
    use test_free_tools, only: text
-   use test_turning, only: product_of, rotated, rotated_back
+   use test_oracle_algebra, only: quaternion_product, rotate, rotate_back
    implicit none(type, external)
    private
    public :: collect_hard_symmetry
@@ -104,9 +104,9 @@ contains
       type(setting), allocatable, intent(out) :: settings(:)
       real(dp) :: energy, space(3), normal(3), radial(3)
       energy = view%mass*view%rate**2
-      space = rotated(view%space, in_space)
-      radial = rotated(view%space, across/norm2(across))
-      normal = rotated(view%space, [0.0_dp, 0.0_dp, 1.0_dp])
+      space = rotate(view%space, in_space)
+      radial = rotate(view%space, across/norm2(across))
+      normal = rotate(view%space, [0.0_dp, 0.0_dp, 1.0_dp])
       select case (effect)
       case ("gravity")
          settings = [number_setting("centre", of_body(view, in_body)*view%length), &
@@ -168,8 +168,8 @@ contains
          q(:, i) = random_quaternion(stream)
          yy(:, i) = of_body(view, y(:, i))*view%mass*view%rate
          qq(:, i) = q(:, i)
-         if (abs(s(1)) < 1) qq(:, i) = product_of(s, qq(:, i))
-         if (m(1) < 1) qq(:, i) = product_of(qq(:, i), [m(1), -m(2:4)])
+         if (abs(s(1)) < 1) qq(:, i) = quaternion_product(s, qq(:, i))
+         if (m(1) < 1) qq(:, i) = quaternion_product(qq(:, i), [m(1), -m(2:4)])
       end do
       call add_class(plan, moments(view%order)*view%mass, number, error)
       call set_option(plan, "method", method, error)
@@ -181,7 +181,7 @@ contains
       call view_rows(yy, qq, host)
       if (effect == "callback") then
          hand%centre = of_body(view, in_body)
-         hand%up = rotated(s, in_space)*view%mass*view%rate**2
+         hand%up = rotate(s, in_space)*view%mass*view%rate**2
          call step_bodies(plan, host, 0.2_dp/view%rate, 0.05_dp/view%rate, 0_i8, 10_i8, status, &
             error, hand)
       else
@@ -192,8 +192,8 @@ contains
       do i = 1, n
          y(view%order, i) = view%sign*yy(:, i)/view%rate/view%mass
          q(:, i) = qq(:, i)
-         if (abs(s(1)) < 1) q(:, i) = product_of([s(1), -s(2:4)], q(:, i))
-         if (m(1) < 1) q(:, i) = product_of(q(:, i), m)
+         if (abs(s(1)) < 1) q(:, i) = quaternion_product([s(1), -s(2:4)], q(:, i))
+         if (m(1) < 1) q(:, i) = quaternion_product(q(:, i), m)
       end do
    end subroutine run
 
@@ -207,7 +207,7 @@ contains
       real(dp) :: g(3)
       integer :: i
       do i = 1, size(q, 1)
-         g = rotated_back(q(i, :), self%up)
+         g = rotate_back(q(i, :), self%up)
          torque(i, :) = [g(2)*self%centre(3) - g(3)*self%centre(2), &
             g(3)*self%centre(1) - g(1)*self%centre(3), g(1)*self%centre(2) - g(2)*self%centre(1)]
       end do

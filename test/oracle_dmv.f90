@@ -4,9 +4,10 @@
 !> another form of the series; the two must agree.
 module test_oracle_dmv
    use poinsot_core_kinds, only: dp, qp
+   use test_oracle_algebra, only: cross, quaternion_product
    use test_oracle_data, only: dmv_term
    use test_oracle_properties, only: plain_map
-   use test_oracle_taylor, only: cross, quaternion_product, free_problem, taylor_problem, &
+   use test_oracle_taylor, only: free_problem, taylor_problem, &
       taylor_report, taylor_flow, taylor_series, max_order
    implicit none(type, external)
    private

@@ -8,7 +8,7 @@
 !> = Omega(y).
 module test_oracle_properties
    use poinsot_core_kinds, only: dp, qp
-   use test_oracle_taylor, only: cross, quaternion_product
+   use test_oracle_algebra, only: hat, quaternion_product, rotate
    implicit none(type, external)
    private
    public :: plain_map, tangent_map, property_report, measure_properties
@@ -179,12 +179,6 @@ contains
       end do
    end function form
 
-   pure function hat(v) result(m)
-      real(qp), intent(in) :: v(3)
-      real(qp) :: m(3, 3)
-      m = reshape([0.0_qp, v(3), -v(2), -v(3), 0.0_qp, v(1), v(2), -v(1), 0.0_qp], [3, 3])
-   end function hat
-
    !> The unit quaternion of the rotation vector.
    pure function exponential(turn) result(q)
       real(qp), intent(in) :: turn(3)
@@ -204,14 +198,6 @@ contains
       turn = 2*r(2:4)
       if (s > 0) turn = 2*r(2:4)*(atan2(s, r(1))/s)
    end function logarithm
-
-   !> Q v for the rotation of q.
-   pure function rotate(q, v) result(u)
-      real(qp), intent(in) :: q(4), v(3)
-      real(qp) :: u(3), t(3)
-      t = 2*cross(q(2:4), v)
-      u = v + (q(1)*t + cross(q(2:4), t))/sum(q*q)
-   end function rotate
 
    !> By elimination with row exchanges.
    pure real(qp) function determinant(matrix)

@@ -7,11 +7,11 @@
 !> y' = y x w + g x (r + K g),  w = J^-1 (y - s),  g' = g x w,  q' = (1/2) q o (0, w),  g = Q^T k.
 module test_oracle_taylor
    use poinsot_core_kinds, only: dp, qp
+   use test_oracle_algebra, only: rotate_back
    implicit none(type, external)
    private
    public :: taylor_problem, taylor_report, free_problem, top_problem
    public :: taylor_flow, taylor_verified, taylor_series, conditioning, max_order
-   public :: rotate_back, quaternion_product, cross
 
    integer, parameter :: max_order = 44
    real(qp), parameter :: default_tolerance = 1.0e-31_qp
@@ -315,26 +315,5 @@ contains
       relative = abs(defect)
       if (of /= 0) relative = abs(defect/of)
    end function relative
-
-   pure function cross(a, b) result(c)
-      real(qp), intent(in) :: a(3), b(3)
-      real(qp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
-
-   pure function quaternion_product(a, b) result(c)
-      real(qp), intent(in) :: a(4), b(4)
-      real(qp) :: c(4)
-      c(1) = a(1)*b(1) - dot_product(a(2:4), b(2:4))
-      c(2:4) = a(1)*b(2:4) + b(1)*a(2:4) + cross(a(2:4), b(2:4))
-   end function quaternion_product
-
-   !> Q^T v for the rotation of the quaternion q (need not be of unit norm).
-   pure function rotate_back(q, v) result(u)
-      real(qp), intent(in) :: q(4), v(3)
-      real(qp) :: u(3), t(3)
-      t = 2*cross(v, q(2:4))
-      u = v + (q(1)*t + cross(t, q(2:4)))/sum(q*q)
-   end function rotate_back
 
 end module test_oracle_taylor

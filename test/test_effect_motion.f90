@@ -10,8 +10,8 @@ module test_effect_motion
    use poinsot_effect_settings, only: setting, number_setting, text_setting
    use poinsot_splitting_stepper, only: flows, run_steps
    use poinsot_splitting_block_flows, only: block_flows
-   use test_turning, only: bench, set_up, place, run, product_of, rotated, rotated_back, &
-      generic_moments_of, generic_y, generic_q
+   use test_oracle_algebra, only: quaternion_product, rotate, rotate_back
+   use test_turning, only: bench, set_up, place, run, generic_moments_of, generic_y, generic_q
    implicit none(type, external)
    private
    public :: collect_motion
@@ -86,7 +86,7 @@ contains
          q = [cos(0.5_dp*th), sin(0.5_dp*th), 0.0_dp, 0.0_dp]
          call place(it, y, q)
          call run(it, 0.0_dp, t/600, 0, 600)
-         axis = rotated(it%block%q(1, :), z_axis)
+         axis = rotate(it%block%q(1, :), z_axis)
          call check(error, axis(3), cos(th), thr=1e-11_dp, message="tilt")
          if (allocated(error)) return
          late = modulo(atan2(axis(1), -axis(2)) - rate*t + pi, 2*pi) - pi
@@ -107,7 +107,7 @@ contains
       energy = kinetic(1) + potential(1)
       call run(it, 0.0_dp, 0.02_dp, 0, 2000)
       y = it%block%y(1, :)
-      l = rotated(it%block%q(1, :), y) - rotated(generic_q, generic_y)
+      l = rotate(it%block%q(1, :), y) - rotate(generic_q, generic_y)
       call it%block%energies(0.0_dp, kinetic, potential)
       call check(error, y(3), generic_y(3), thr=2e-14_dp, message="y3")
       if (allocated(error)) return
@@ -132,7 +132,7 @@ contains
          tilt = 0
          do k = 1, 100
             call run(it, 0.0_dp, 0.05_dp, 10*k, 10)
-            axis = rotated(it%block%q(1, :), z_axis)
+            axis = rotate(it%block%q(1, :), z_axis)
             tilt = max(tilt, norm2(axis(1:2)))
          end do
          if (side > 0) call check(error, tilt < 0.03_dp, "a fast top fell over")
@@ -161,7 +161,7 @@ contains
          type(bench), intent(in) :: top
          real(dp) :: w(3), g(3)
          w = top%block%y(1, :)*top%class%inverse
-         g = rotated_back(top%block%q(1, :), z_axis)
+         g = rotate_back(top%block%q(1, :), z_axis)
          integral = (w(1)**2 - w(2)**2 - mga/i3*g(1))**2 + (2*w(1)*w(2) - mga/i3*g(2))**2
       end function integral
 
@@ -256,7 +256,7 @@ contains
          text_setting("motion", "rotating")])])
       call place(it, [0.0_dp, 0.0_dp, rate*generic_moments_of(3)], unity)
       call run(it, 0.0_dp, t/500, 0, 500)
-      direction = rotated(it%block%q(1, :), x_axis)
+      direction = rotate(it%block%q(1, :), x_axis)
       call check(error, norm2(direction - [cos(rate*t), sin(rate*t), 0.0_dp]) < 1e-12_dp, &
          "left behind")
    end subroutine test_rotating_field
@@ -308,8 +308,8 @@ contains
          [number_setting("value", value), text_setting("frame", "space")])])
       call place(it, generic_y, generic_q)
       call run(it, 0.0_dp, t/20, 0, 20)
-      l = rotated(it%block%q(1, :), it%block%y(1, :))
-      call check(error, norm2(l - rotated(generic_q, generic_y) - t*value) < 1e-14_dp, &
+      l = rotate(it%block%q(1, :), it%block%y(1, :))
+      call check(error, norm2(l - rotate(generic_q, generic_y) - t*value) < 1e-14_dp, &
          "L0 + integral")
    end subroutine test_space_torque
 
@@ -327,7 +327,7 @@ contains
          text_setting("frame", "space")])])
       call place(it, generic_y, generic_q)
       call run(it, 0.0_dp, t/100, 0, 100)
-      l = rotated(it%block%q(1, :), it%block%y(1, :)) - rotated(generic_q, generic_y)
+      l = rotate(it%block%q(1, :), it%block%y(1, :)) - rotate(generic_q, generic_y)
       call check(error, norm2(l - value*(sin(w*t + phase) - sin(phase))/w) < 1e-13_dp, &
          "integral of the torque")
    end subroutine test_harmonic
@@ -342,8 +342,8 @@ contains
          [number_setting("friction", [0.4_dp])])])
       call place(it, generic_y, generic_q)
       call run(it, 0.0_dp, t/3, 0, 3)
-      l = rotated(it%block%q(1, :), it%block%y(1, :))
-      call check(error, norm2(l - exp(-0.4_dp*t/0.7_dp)*rotated(generic_q, generic_y)) &
+      l = rotate(it%block%q(1, :), it%block%y(1, :))
+      call check(error, norm2(l - exp(-0.4_dp*t/0.7_dp)*rotate(generic_q, generic_y)) &
          < 1e-14_dp, "decay")
    end subroutine test_drag
 
@@ -395,7 +395,7 @@ contains
       if (allocated(error)) return
       call check(error, norm2(it%block%y(1, :)), norm2(generic_y), thr=1e-12_dp, message="|y|")
       if (allocated(error)) return
-      l = rotated(it%block%q(1, :), it%block%y(1, :)) - rotated(generic_q, generic_y)
+      l = rotate(it%block%q(1, :), it%block%y(1, :)) - rotate(generic_q, generic_y)
       call check(error, norm2(l) < 1e-12_dp, "L")
    end subroutine test_gyrostat
 
@@ -503,7 +503,7 @@ contains
    function momentum(two) result(l)
       type(coupled), intent(in) :: two
       real(dp) :: l(3)
-      l = rotated(two%block%q(1, :), two%block%y(1, :)) + rotated(two%block%q(2, :), &
+      l = rotate(two%block%q(1, :), two%block%y(1, :)) + rotate(two%block%q(2, :), &
          two%block%y(2, :))
    end function momentum
 
@@ -572,7 +572,7 @@ contains
       real(dp), intent(in) :: t, q(4)
       real(dp), intent(out) :: torque(3), energy
       real(dp) :: g(3)
-      g = rotated_back(q, z_axis)
+      g = rotate_back(q, z_axis)
       energy = dot_product(g, arm) + 0*t*self%class_index
       torque = [g(2)*arm(3) - g(3)*arm(2), g(3)*arm(1) - g(1)*arm(3), g(1)*arm(2) - g(2)*arm(1)]
    end subroutine evaluate_torque

@@ -10,8 +10,8 @@ module test_effect_random
    use poinsot_effect_settings, only: number_setting
    use poinsot_rotation_random, only: philox_block, random_words
    use test_bodies, only: random_stream, start_stream, random_quaternion
-   use test_turning, only: bench, set_up, place, run, rotated, generic_moments_of, &
-      generic_y, generic_q
+   use test_oracle_algebra, only: rotate
+   use test_turning, only: bench, set_up, place, run, generic_moments_of, generic_y, generic_q
    implicit none(type, external)
    private
    public :: collect_random
@@ -224,7 +224,7 @@ contains
             call run(it, 0.0_dp, 0.1_dp, k, 1)
             if (k <= resolve_auto) cycle
             do l = 1, lanes
-               direction = rotated(it%block%q(l, :), [0.0_dp, 1.0_dp, 0.0_dp])
+               direction = rotate(it%block%q(l, :), [0.0_dp, 1.0_dp, 0.0_dp])
                first(l, b) = first(l, b) + direction(3)/(steps - resolve_auto)
                second(l, b) = second(l, b) + direction(3)**2/(steps - resolve_auto)
             end do
@@ -281,14 +281,14 @@ contains
                        number_setting("temperature", [0.1_dp])], effects(1)%it, refusal)
       call set_up(it, [2.0_dp, 2.0_dp, 2.0_dp], "exact", "strang", effects)
       it%block%seed = 3
-      start = rotated(generic_q, generic_y)
+      start = rotate(generic_q, generic_y)
       sum_l = 0
       do b = 1, blocks
          call place(it, generic_y, generic_q)
          it%block%id = [(int(l + lanes*b, i8), l=1, lanes)]
          call run(it, 0.0_dp, 0.25_dp, 0, 8)
          do l = 1, lanes
-            sum_l = sum_l + rotated(it%block%q(l, :), it%block%y(l, :))/(blocks*lanes)
+            sum_l = sum_l + rotate(it%block%q(l, :), it%block%y(l, :))/(blocks*lanes)
          end do
       end do
       want = start*exp(-0.5_dp*2.0_dp/2.0_dp)

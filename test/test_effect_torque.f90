@@ -9,8 +9,8 @@ module test_effect_torque
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: number_setting, text_setting
    use test_bodies, only: random_stream, start_stream, uniform, random_quaternion
-   use test_turning, only: bench, set_up, place, product_of, rotated_back, &
-      generic_moments_of, generic_q
+   use test_oracle_algebra, only: quaternion_product, rotate_back
+   use test_turning, only: bench, set_up, place, generic_moments_of, generic_q
    implicit none(type, external)
    private
    public :: collect_torque, energy_of, states
@@ -111,7 +111,7 @@ contains
       call place(it, [0.0_dp, 0.0_dp, 0.0_dp], generic_q)
       call it%block%kick(0.0_dp, 0.0_dp, 1.0_dp)
       m = 1/generic_moments_of
-      v = rotated_back(generic_q, [0.0_dp, 0.0_dp, 1.0_dp])
+      v = rotate_back(generic_q, [0.0_dp, 0.0_dp, 1.0_dp])
       g = [2*v(2)*v(3)*m(1), -2*v(1)*v(3)*m(2), -2*v(1)*v(2)*(m(1) - m(2))]
       call check(error, maxval(abs(it%block%y(1, :) - g)) < 1e-15_dp, &
          "force gradient of the heavy top")
@@ -142,11 +142,11 @@ contains
                   w = 0
                   w(j) = step
                   p = q
-                  p(l, :, k) = product_of(q(l, :, k), turn_of(w))
+                  p(l, :, k) = quaternion_product(q(l, :, k), turn_of(w))
                   u = 0
                   call made%add_energies([1, 2], body, p, x, u)
                   up = sum(u)
-                  p(l, :, k) = product_of(q(l, :, k), turn_of(-w))
+                  p(l, :, k) = quaternion_product(q(l, :, k), turn_of(-w))
                   u = 0
                   call made%add_energies([1, 2], body, p, x, u)
                   down = sum(u)
@@ -347,7 +347,7 @@ contains
       real(dp) :: p(lanes, 4)
       integer :: l
       do l = 1, lanes
-         p(l, :) = product_of(q(l, :), turn_of(w(l, :)))
+         p(l, :) = quaternion_product(q(l, :), turn_of(w(l, :)))
       end do
    end function each_moved
 

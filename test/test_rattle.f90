@@ -11,6 +11,7 @@ module test_rattle
       from_matrices, body_momentum
    use test_bodies, only: random_stream, start_stream
    use test_free_tools, only: generic, start, start_q, random_block, text, rest_block
+   use test_oracle_algebra, only: cross
    use test_oracle_properties, only: plain_map, property_report, measure_properties
    implicit none(type, external)
    private
@@ -316,11 +317,5 @@ contains
       e = 0
       e(i) = 1
    end function unit
-
-   pure function cross(u, v) result(w)
-      real(dp), intent(in) :: u(3), v(3)
-      real(dp) :: w(3)
-      w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]
-   end function cross
 
 end module test_rattle

@@ -12,6 +12,7 @@ module test_taylor
    use poinsot_taylor_basis, only: span_rows
    use poinsot_splitting_registry, only: splitting_flows
    use test_bodies, only: random_quaternion, random_stream, start_stream, uniform
+   use test_oracle_algebra, only: cross, rotate_back
    use test_crowd, only: with_effect, turned_tensor
    implicit none(type, external)
    private
@@ -86,26 +87,12 @@ contains
       values = found
    end function numbers
 
-   pure function cross(a, b) result(c)
-      real(qp), intent(in) :: a(3), b(3)
-      real(qp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
-
    !> v turned about a unit axis.
    pure function turn(v, axis, angle) result(w)
       real(qp), intent(in) :: v(3), axis(3), angle
       real(qp) :: w(3)
       w = cos(angle)*v + sin(angle)*cross(axis, v) + (1 - cos(angle))*dot_product(axis, v)*axis
    end function turn
-
-   !> Q^T e for any length of q.
-   pure function seen(q, e) result(v)
-      real(qp), intent(in) :: q(4), e(3)
-      real(qp) :: v(3)
-      v = ((q(1)**2 - sum(q(2:4)**2))*e + 2*dot_product(q(2:4), e)*q(2:4) &
-           + 2*q(1)*cross(e, q(2:4)))/sum(q*q)
-   end function seen
 
    pure function unit(v) result(u)
       real(qp), intent(in) :: v(3)
@@ -126,24 +113,24 @@ contains
       select case (one%name)
       case ("gravity")
          f = numbers(one%text, "weight", [1.0_dp])
-         v = seen(q, unit(numbers(one%text, "up", [0.0_dp, 0.0_dp, 1.0_dp])))
+         v = rotate_back(q, unit(numbers(one%text, "up", [0.0_dp, 0.0_dp, 1.0_dp])))
          g = f(1)*cross(v, numbers(one%text, "centre", z3))
       case ("field")
          e = numbers(one%text, "strength", z3)
          if (index(one%text, "rotating") > 0) e = turn(e, unit(numbers(one%text, "axis", z3)), &
             f(1)*t + p(1))
          if (index(one%text, "oscillating") > 0) e = e*cos(f(1)*t + p(1))
-         g = cross(numbers(one%text, "dipole", z3), seen(q, e))
+         g = cross(numbers(one%text, "dipole", z3), rotate_back(q, e))
       case ("gravity_gradient")
          f = numbers(one%text, "rate", [0.0_dp])
          e = [1, 0, 0]
          if (index(one%text, "fixed") == 0) e = turn(e, [0.0_qp, 0.0_qp, 1.0_qp], f(1)*t)
-         v = seen(q, e)
+         v = rotate_back(q, e)
          g = 3*f(1)**2*cross(v, inertia*v)
       case ("spring")
          f = numbers(one%text, "stiffness", [0.0_dp])
          a = unit(numbers(one%text, "axis", z3))
-         v = seen(q, unit(numbers(one%text, "direction", z3)))
+         v = rotate_back(q, unit(numbers(one%text, "direction", z3)))
          g = f(1)*dot_product(a, v)*cross(a, v)
       case ("torque")
          if (index(one%text, "times") > 0) then
@@ -159,7 +146,7 @@ contains
             g = numbers(one%text, "value", z3)
             if (abs(f(1)) > 0) g = g*cos(f(1)*t + p(1))
          end if
-         if (index(one%text, "space") > 0) g = seen(q, g)
+         if (index(one%text, "space") > 0) g = rotate_back(q, g)
       case default ! gyrostat and drag are no torques of the attitude
          continue
       end select

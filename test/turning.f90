@@ -18,7 +18,7 @@ module test_turning
    use test_oracle_taylor, only: taylor_problem, top_problem
    implicit none(type, external)
    private
-   public :: bench, set_up, place, run, run_processed, judge, product_of, rotated, rotated_back
+   public :: bench, set_up, place, run, run_processed, judge
    public :: no_effects, generic_effects, generic_problem, generic_moments_of, generic_y, generic_q
 
    !> A body and a state with nothing special about them.
@@ -198,29 +198,5 @@ contains
       rate(:, 6) = 0.5_dp*(q(:, 1)*w(:, 2) + q(:, 4)*w(:, 1) - q(:, 2)*w(:, 3))
       rate(:, 7) = 0.5_dp*(q(:, 1)*w(:, 3) + q(:, 2)*w(:, 2) - q(:, 3)*w(:, 1))
    end subroutine slope
-
-   !> Quaternion product, written anew.
-   pure function product_of(a, b) result(c)
-      real(dp), intent(in) :: a(4), b(4)
-      real(dp) :: c(4)
-      c = [a(1)*b(1) - a(2)*b(2) - a(3)*b(3) - a(4)*b(4), a(1)*b(2) + &
-         a(2)*b(1) + a(3)*b(4) - a(4)*b(3), a(1)*b(3) - a(2)*b(4) + a(3)*b(1) + a(4)*b(2), &
-         a(1)*b(4) + a(2)*b(3) - a(3)*b(2) + a(4)*b(1)]
-   end function product_of
-
-   !> q v q*: body -> space.
-   pure function rotated(q, v) result(w)
-      real(dp), intent(in) :: q(4), v(3)
-      real(dp) :: w(3), p(4)
-      p = product_of(product_of(q, [0.0_dp, v]), [q(1), -q(2:4)])
-      w = p(2:4)
-   end function rotated
-
-   !> q* v q: space -> body.
-   pure function rotated_back(q, v) result(w)
-      real(dp), intent(in) :: q(4), v(3)
-      real(dp) :: w(3)
-      w = rotated([q(1), -q(2:4)], v)
-   end function rotated_back
 
 end module test_turning
