@@ -1,7 +1,7 @@
 !> Tops and strong fields: fast, sleeping, through the upright, and steps near the stability limit.
 module test_hard_tops
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, qp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_step, &
@@ -13,6 +13,7 @@ module test_hard_tops
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_splitting_registry, only: splitting_count, splitting_name
    use test_crowd, only: with_effect
+   use test_expectation, only: expect
    use test_free_tools, only: text
    use test_measure, only: attitude_distance, momentum_distance
    use test_oracle_taylor, only: taylor_report, taylor_flow, top_problem
@@ -92,13 +93,11 @@ contains
             before = kept(y, q)
             call run("exact", schemes(i), lagrange, "gravity", "centre = 0, 0, 1; weight = 1", h, &
                400, y, q, status)
-            call check(error, status, poinsot_ok, "fast top by "//schemes(i))
-            if (allocated(error)) return
+            call expect(error, status, poinsot_ok, "fast top by "//schemes(i))
             gap = maxval(abs(kept(y, q) - before)/[before(1), spin])
-            call check(error, abs(y(3)/spin - 1) < 1e-13_dp .and. gap < 2e-11_dp, &
+            call expect(error, abs(y(3)/spin - 1) < 1e-13_dp .and. gap < 2e-11_dp, &
                "fast top by "//trim(schemes(i))// &
                " loses energy or momentum: "//text(gap)//", "//text(abs(y(3)/spin - 1)))
-            if (allocated(error)) return
          end do
       end do
       yt = [0.1_dp, 0.0_dp, spin]
@@ -112,7 +111,7 @@ contains
          real(h, qp)*200, yt, qt, report)
       gap = momentum_distance(real(y, qp), yt) + attitude_distance(real(q, qp), qt)
       may = 1e-16_dp*200*h*spin*4 ! roundings of the angle
-      call check(error, gap < max(may, 4e-14_dp), "fast top is "//text(gap)//" off")
+      call expect(error, gap < max(may, 4e-14_dp), "fast top is "//text(gap)//" off")
    end subroutine test_fast
 
    !> I3^2 w3^2 = 4 I1 m g l: upright it stays, to the bit; tilted by 1e-8 it leaves slower than any
@@ -132,10 +131,9 @@ contains
             q = [1, 0, 0, 0]
             call run("exact", splitting_name(i), lagrange, "gravity", &
                "centre = 0, 0, 1; weight = 1", 0.05_dp, 200, y, q, status)
-            call check(error, status == poinsot_ok .and. all(abs(y(1:2)) <= 0) &
+            call expect(error, status == poinsot_ok .and. all(abs(y(1:2)) <= 0) &
                .and. all(abs(q(2:3)) <= 0), &
                "a sleeping top wakes up: "//splitting_name(i))
-            if (allocated(error)) return
             y = [0.0_dp, 0.0_dp, spin]
             q = [1.0_dp, 5e-9_dp, 0.0_dp, 0.0_dp]
             qt = q/sqrt(sum(real(q, qp)**2))
@@ -143,17 +141,16 @@ contains
             call run("exact", splitting_name(i), lagrange, "gravity", &
                "centre = 0, 0, 1; weight = 1", 0.05_dp, 200, y, q, status)
             tilt = 2*norm2(q(2:3))
-            call check(error, tilt < merge(3e-7_dp, 1e-5_dp, k < 3), "tilt "//text(tilt)//" by "// &
+            call expect(error, tilt < merge(3e-7_dp, 1e-5_dp, k < 3), &
+               "tilt "//text(tilt)//" by "// &
                splitting_name(i))
-            if (allocated(error)) return
             if (splitting_name(i) /= "srkn6") cycle
             call taylor_flow(top_problem(lagrange, [0.0_dp, 0.0_dp, 1.0_dp], [0.0_dp, 0.0_dp, &
                1.0_dp]), real(0.05_dp, qp)*200, &
                yt, qt, report)
             gap = real(norm2(q(2:3) - qt(2:3)), dp)/tilt
-            call check(error, gap < 1e-5_dp, "the tilt of a top near its threshold is "// &
+            call expect(error, gap < 1e-5_dp, "the tilt of a top near its threshold is "// &
                text(gap)//" off")
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_sleeping
@@ -181,9 +178,8 @@ contains
             1.0_dp]), 0.01_dp*1000.0_qp, yt, qt, &
             report)
          gap = momentum_distance(real(y, qp), yt) + attitude_distance(real(q, qp), qt)
-         call check(error, status == poinsot_ok .and. gap < 2e-11_dp, &
+         call expect(error, status == poinsot_ok .and. gap < 2e-11_dp, &
             "a top through the upright is "//text(gap)//" off")
-         if (allocated(error)) return
       end do
    end subroutine test_upright
 
@@ -202,17 +198,14 @@ contains
             call run("exact", splitting_name(i), lagrange, "field", &
                "dipole = 0, 0, 1; strength = 0, 0, 1", &
                paces(k)*sqrt(lagrange(1)), 2000, y, q, status)
-            call check(error, status, poinsot_ok, "a strong field fails by "//splitting_name(i))
-            if (allocated(error)) return
+            call expect(error, status, poinsot_ok, "a strong field fails by "//splitting_name(i))
             energy(2) = sum(y*y/lagrange)/2 - (q(1)**2 - q(2)**2 - q(3)**2 + q(4)**2)
             gap = abs(energy(2) - energy(1))
-            call check(error, all(ieee_is_finite(y)) .and. abs(norm2(q) - 1) < 1e-12_dp, &
+            call expect(error, all(ieee_is_finite(y)) .and. abs(norm2(q) - 1) < 1e-12_dp, &
                "not finite by "//splitting_name(i))
-            if (allocated(error)) return
             if (.not. (k == 1 .or. (k == 3 .and. i == 1))) cycle
-            call check(error, gap < 0.01_dp, splitting_name(i)// &
+            call expect(error, gap < 0.01_dp, splitting_name(i)// &
                ": energy is "//text(gap)//" off at h omega0 = "//text(paces(k)))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_limit
@@ -241,11 +234,11 @@ contains
                call run(methods(m), splitting_name(i), lagrange, "field", settings, 0.1_dp, 3, y, &
                   q, status)
                if (status == poinsot_ok) then
-                  call check(error, all(ieee_is_finite(y)) .and. abs(norm2(q) - 1) < 1e-12_dp &
+                  call expect(error, all(ieee_is_finite(y)) .and. abs(norm2(q) - 1) < 1e-12_dp &
                      .and. powers(k) < 70, &
                      "no status and no number, "//splitting_name(i)//" "//settings)
                else
-                  call check(error, any(status == [poinsot_e_domain, poinsot_e_step, &
+                  call expect(error, any(status == [poinsot_e_domain, poinsot_e_step, &
                      poinsot_e_convergence]) &
                      .and. all(abs(q - q0) <= 0) &
                      .and. abs(y(1) - 0.05_dp) <= 0, "failed, and moved: "//splitting_name(i)// &

@@ -3,7 +3,7 @@
 !> other rotors do is measured.
 module test_long_energy
    use, intrinsic :: iso_fortran_env, only: output_unit, compiler_options
-   use testdrive, only: error_type, check
+   use testdrive, only: error_type
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok
@@ -15,6 +15,7 @@ module test_long_energy
    use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use test_bodies, only: random_stream, start_stream, uniform
    use test_crowd, only: with_effect
+   use test_expectation, only: expect
    use test_free_tools, only: text
    implicit none(type, external)
    private
@@ -136,12 +137,10 @@ contains
       character(*), intent(in) :: name
       type(energy_record), intent(in) :: record
       integer(i8), intent(in) :: periods
-      call check(error, record%good, name//" fails on a long run")
-      if (allocated(error)) return
-      call check(error, record%last < 1.5_dp*record%first + 1e-13_dp, name// &
+      call expect(error, record%good, name//" fails on a long run")
+      call expect(error, record%last < 1.5_dp*record%first + 1e-13_dp, name// &
          ": the error of the energy grows from "//text(record%first)//" to "//text(record%last))
-      if (allocated(error)) return
-      call check(error, abs(record%trend)*periods < 0.1_dp*record%first + 1e-13_dp, &
+      call expect(error, abs(record%trend)*periods < 0.1_dp*record%first + 1e-13_dp, &
          name//": energy drifts by "//text(record%trend)//" a period")
    end subroutine check_bounded
 
@@ -160,7 +159,7 @@ contains
          if (i <= 5) then
             call check_bounded(error, trim(rotors(i)), record, periods)
          else
-            call check(error, record%good .and. record%last < 0.1_dp, trim(rotors(i))// &
+            call expect(error, record%good .and. record%last < 0.1_dp, trim(rotors(i))// &
                ": the energy is "//text(record%last)//" off")
          end if
          if (allocated(error)) return

@@ -2,7 +2,7 @@
 !> and of each momentum component by chi-square, the time after which a momentum is forgotten.
 module test_long_thermostat
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use testdrive, only: error_type, check
+   use testdrive, only: error_type
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok
@@ -12,6 +12,7 @@ module test_long_thermostat
    use poinsot_ensemble_step, only: step_bodies
    use test_bodies, only: random_stream, start_stream, random_quaternion
    use test_crowd, only: with_effect
+   use test_expectation, only: expect
    use test_free_tools, only: text
    implicit none(type, external)
    private
@@ -140,8 +141,7 @@ contains
       do i = 1, size(kinds)
          do k = 1, seeds
             call run_hot(moments(:, i), i == 4, 100*k + i, n, samples, found)
-            call check(error, found%good, "a thermostat fails: "//kinds(i))
-            if (allocated(error)) return
+            call expect(error, found%good, "a thermostat fails: "//kinds(i))
             ! mean of the square of a normal number: off by sqrt(2/count)
             off = maxval(abs(found%energy - 1)*sqrt(found%count/2), mask=moments(:, i) > 0)
             chi = max(found%chi_energy, maxval(found%chi_y))
@@ -149,14 +149,11 @@ contains
                &f3.1, ' standard errors), chi-square of 19: energy ', f5.1, ', momenta', 3f6.1, &
                &'; kept over .5:', 3f7.4)") kinds(i), k, found%energy, off, found%chi_energy, &
                found%chi_y, found%memory
-            call check(error, off < 5, kinds(i)//": kT is "//text(off)//" standard errors off")
-            if (allocated(error)) return
-            call check(error, chi < too_much, kinds(i)//": chi-square "//text(chi))
-            if (allocated(error)) return
+            call expect(error, off < 5, kinds(i)//": kT is "//text(off)//" standard errors off")
+            call expect(error, chi < too_much, kinds(i)//": chi-square "//text(chi))
             if (i == 2) call check_memory(error, found)
-            if (i == 5) call check(error, .not. abs(found%energy(2)) > 0, &
+            if (i == 5) call expect(error, .not. abs(found%energy(2)) > 0, &
                "heat about an axis without inertia")
-            if (allocated(error)) return
          end do
       end do
    end subroutine judge
@@ -169,7 +166,7 @@ contains
       real(dp) :: want, off
       want = exp(-friction*0.5_dp/0.9_dp)
       off = maxval(abs(found%memory - want))*sqrt(found%count/(1 + want**2))
-      call check(error, off < 5, "correlation "//text(found%memory(1))//" instead of "//text(want))
+      call expect(error, off < 5, "correlation "//text(found%memory(1))//" instead of "//text(want))
    end subroutine check_memory
 
    subroutine test_thermostat(error)

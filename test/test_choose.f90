@@ -2,7 +2,7 @@
 !> and it costs little more than the best there is (the long suite, which times).
 module test_choose
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_e_convergence, poinsot_e_method
@@ -26,6 +26,7 @@ module test_choose
    use poinsot_study_timing, only: time_steps
    use poinsot_study_trial, only: make_plan
    use poinsot_ensemble_plan, only: poinsot_plan
+   use test_expectation, only: expect
    use test_random_scenes, only: random_scene, scene_from
    use test_study, only: open_scene, as_it_is
    implicit none(type, external)
@@ -65,13 +66,11 @@ contains
          lines)
       call set_keys(lines, "scene", [character(6) :: "h", "method"], [text_line("0.25"), &
          text_line("'dmv8'")], found)
-      call check(error, found .and. size(lines) == 3, "no line is added")
+      call expect(error, found .and. size(lines) == 3, "no line is added")
       if (allocated(error)) return
-      call check(error, lines(1)%text, "! &scene h = 7")
-      if (allocated(error)) return
-      call check(error, lines(2)%text, "&SCENE t_end=1, H = 0.25 ! h = 3")
-      if (allocated(error)) return
-      call check(error, lines(3)%text, "  method='dmv8' /")
+      call expect(error, lines(1)%text, "! &scene h = 7")
+      call expect(error, lines(2)%text, "&SCENE t_end=1, H = 0.25 ! h = 3")
+      call expect(error, lines(3)%text, "  method='dmv8' /")
    end subroutine keys_in_place
 
    !> Keys that the file has not got, on a line of their own or within the group's only line.
@@ -81,13 +80,12 @@ contains
       logical :: found
       call three_lines("&bodies h = 1 /", "&scene ! run", "   t_end = 1 /", lines)
       call set_keys(lines, "scene", ["h"], [text_line("0.25")], found)
-      call check(error, found .and. size(lines) == 4, "a line is added")
+      call expect(error, found .and. size(lines) == 4, "a line is added")
       if (allocated(error)) return
-      call check(error, lines(1)%text // lines(3)%text, "&bodies h = 1 /   h = 0.25")
-      if (allocated(error)) return
+      call expect(error, lines(1)%text // lines(3)%text, "&bodies h = 1 /   h = 0.25")
       call three_lines("", "&scene t_end = 1 /", "&bodies y = 1, 0, 0 /", lines)
       call set_keys(lines, "scene", ["h"], [text_line("0.25")], found)
-      call check(error, lines(2)%text, "&scene h = 0.25, t_end = 1 /")
+      call expect(error, lines(2)%text, "&scene h = 0.25, t_end = 1 /")
    end subroutine keys_added
 
    subroutine three_lines(a, b, c, lines)
@@ -111,14 +109,12 @@ contains
                                     "output.every=1"], scene, failure)
       if (.not. raised(failure)) call resolve_auto(scene, watch, failure)
       if (.not. raised(failure)) call run_through(scene, states, failure)
-      call check(error, .not. raised(failure) .and. .not. is_auto(scene) .and. scene%h < 1, &
+      call expect(error, .not. raised(failure) .and. .not. is_auto(scene) .and. scene%h < 1, &
          "chosen, and run")
-      if (allocated(error)) return
-      call check(error, norm2(states%y(:, 1) - [1.922573381663007_dp, 0.7720232344670848_dp, &
+      call expect(error, norm2(states%y(:, 1) - [1.922573381663007_dp, 0.7720232344670848_dp, &
                                                -0.2011054792035490_dp])/norm2(states%y(:, &
                                                   1)) < 1e-9_dp, "momentum")
-      if (allocated(error)) return
-      call check(error, 2*norm2(states%q(:, 1) - [0.9257399890934638_dp, -0.3514906679727545_dp, &
+      call expect(error, 2*norm2(states%q(:, 1) - [0.9257399890934638_dp, -0.3514906679727545_dp, &
                                                  0.1021838760186523_dp, &
                                                     -0.0949644059798463_dp]) < 1e-9_dp, "attitude")
    end subroutine top_choice
@@ -155,14 +151,12 @@ contains
       request%methods = [character(24) :: "dmv8"]
       request%splittings = [character(24) :: "srkn4", "strang"]
       call choose_method(scene, request, watch, answer, failure)
-      call check(error, .not. raised(failure) .and. answer%best%setup%method == "dmv8", &
+      call expect(error, .not. raised(failure) .and. answer%best%setup%method == "dmv8", &
          "the method named")
-      if (allocated(error)) return
-      call check(error, answer%best%setup%splitting == "srkn4" .or. &
+      call expect(error, answer%best%setup%splitting == "srkn4" .or. &
          answer%best%setup%splitting == "strang", &
                  "a splitting named")
-      if (allocated(error)) return
-      call check(error, answer%best%error <= 1e-5_dp .and. answer%best%h > 0, &
+      call expect(error, answer%best%error <= 1e-5_dp .and. answer%best%h > 0, &
          "within the tolerance")
    end subroutine named_choice
 
@@ -180,9 +174,8 @@ contains
       request%methods = [character(24) :: "exact"]
       request%splittings = [character(24) :: "strang"]
       call choose_method(scene, request, watch, answer, failure)
-      call check(error, failure%code, poinsot_e_convergence)
-      if (allocated(error)) return
-      call check(error, index(failure%message, "exact + strang with h = ") > 0, &
+      call expect(error, failure%code, poinsot_e_convergence)
+      call expect(error, index(failure%message, "exact + strang with h = ") > 0, &
          "says what comes nearest")
    end subroutine beyond_reach
 
@@ -195,13 +188,11 @@ contains
       character(*), parameter :: file = "build/test-auto-restart.txt"
       call open_scene("heavy-top", [character(40) :: "scene.splitting='auto'", "scene.tol=1e-4"], &
          scene, failure)
-      call check(error, .not. raised(failure) .and. is_auto(scene), "to be settled")
-      if (allocated(error)) return
+      call expect(error, .not. raised(failure) .and. is_auto(scene), "to be settled")
       call resolve_auto(scene, watch, failure)
-      call check(error, .not. raised(failure) .and. .not. is_auto(scene) .and. &
+      call expect(error, .not. raised(failure) .and. .not. is_auto(scene) .and. &
          scene%method == "exact" .and. &
                  len(scene%chosen) > 0, "the method named is kept, the splitting chosen")
-      if (allocated(error)) return
       saved%method = "dmv6"
       saved%splitting = "suzuki4"
       saved%h = 0.125_dp
@@ -211,7 +202,7 @@ contains
          file // "'"], scene, &
                       failure)
       if (.not. raised(failure)) call resolve_auto(scene, watch, failure)
-      call check(error, .not. raised(failure) .and. scene%method == "dmv6" .and. &
+      call expect(error, .not. raised(failure) .and. scene%method == "dmv6" .and. &
          scene%splitting == "suzuki4" .and. &
                  abs(scene%h - 0.125_dp) <= 0, "a restart never chooses again")
    end subroutine auto_settled
@@ -230,10 +221,9 @@ contains
          call one_scene(quick_scenes(k), 4.0_dp, .false., kept, told, ratio, line)
          if (kept) met = met + 1
          if (.not. (kept .or. told)) missed = missed + 1
-         call check(error, missed <= 1, line)
-         if (allocated(error)) return
+         call expect(error, missed <= 1, line)
       end do
-      call check(error, 2*met >= size(quick_scenes), "most scenes get a method")
+      call expect(error, 2*met >= size(quick_scenes), "most scenes get a method")
    end subroutine small_promise
 
    !> The two figures of the promise: it is kept in 95 of 100 scenes, and the choice takes at most
@@ -263,9 +253,8 @@ contains
          " scenes; time against the best: median ", median(ratios), ", largest ", maxval(ratios), &
             "; within 1.5 in ", &
          count(ratios <= 1.5_dp), ""
-      call check(error, good >= 95, "promise kept in fewer than 95 of 100")
-      if (allocated(error)) return
-      call check(error, count(ratios <= 1.5_dp) >= 95, &
+      call expect(error, good >= 95, "promise kept in fewer than 95 of 100")
+      call expect(error, count(ratios <= 1.5_dp) >= 95, &
          "beyond 1.5 times the best in more than 5 of 100")
    end subroutine large_promise
 

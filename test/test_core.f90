@@ -3,7 +3,7 @@ module test_core
    use, intrinsic :: ieee_arithmetic, only: ieee_down, ieee_get_rounding_mode, ieee_round_type, &
       ieee_set_rounding_mode, ieee_to_zero, ieee_up
    use, intrinsic :: iso_fortran_env, only: real128
-   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp, qp, i4, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_axis_momentum, status_text
    use poinsot_core_error, only: poinsot_error, clear, raise, raised
@@ -11,6 +11,7 @@ module test_core
    use poinsot_core_nearest, only: nearest_name, suggestion
    use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_version, only: version_number, version_text
+   use test_expectation, only: expect
    implicit none(type, external)
    private
    public :: collect_core
@@ -44,9 +45,8 @@ contains
          nearest(i) = rounds_to_nearest()
          call ieee_set_rounding_mode(usual)
       end do
-      call check(error, .not. any(nearest), "directed rounding not noticed")
-      if (allocated(error)) return
-      call check(error, rounds_to_nearest(), "rounding to nearest not noticed")
+      call expect(error, .not. any(nearest), "directed rounding not noticed")
+      call expect(error, rounds_to_nearest(), "rounding to nearest not noticed")
    end subroutine test_rounding
 
    !> A name that is near is suggested, one that is not is not.
@@ -60,38 +60,32 @@ contains
          "gyrostat", "free-body", "", "", "", "t_end", ""]
       integer :: i
       do i = 1, size(asked)
-         call check(error, nearest_name(asked(i), known), trim(right(i)), "near "//asked(i))
-         if (allocated(error)) return
+         call expect(error, nearest_name(asked(i), known), trim(right(i)), "near "//asked(i))
       end do
-      call check(error, suggestion("heavytop", known), "; the nearest known one is 'heavy-top'")
-      if (allocated(error)) return
-      call check(error, suggestion("sceen", known, "&<", ">"), &
+      call expect(error, suggestion("heavytop", known), "; the nearest known one is 'heavy-top'")
+      call expect(error, suggestion("sceen", known, "&<", ">"), &
          "; the nearest known one is &<scene>")
-      if (allocated(error)) return
-      call check(error, suggestion("nosuch", known), "")
+      call expect(error, suggestion("nosuch", known), "")
    end subroutine test_suggestions
 
    subroutine test_kinds(error)
       type(error_type), allocatable, intent(out) :: error
-      call check(error, precision(1.0_dp) >= 15 .and. precision(1.0_qp) >= merge(33, 15, &
+      call expect(error, precision(1.0_dp) >= 15 .and. precision(1.0_qp) >= merge(33, 15, &
          real128 > 0), "short kinds")
+      call expect(error, bit_size(0_i4) == 32 .and. bit_size(0_i8) == 64, "integer kinds")
       if (allocated(error)) return
-      call check(error, bit_size(0_i4) == 32 .and. bit_size(0_i8) == 64, "integer kinds")
-      if (allocated(error)) return
-      call check(error, mod(lanes, 8), 0, "a block is not whole 512-bit vectors")
+      call expect(error, mod(lanes, 8), 0, "a block is not whole 512-bit vectors")
    end subroutine test_kinds
 
    !> Every value has a text of its own.
    subroutine test_status_texts(error)
       type(error_type), allocatable, intent(out) :: error
       integer :: i, k
-      call check(error, status_text(poinsot_ok), "ok")
-      if (allocated(error)) return
+      call expect(error, status_text(poinsot_ok), "ok")
       do i = poinsot_e_null, poinsot_e_axis_momentum
          do k = poinsot_ok, i - 1
-            call check(error, len(status_text(i)) > 0 .and. status_text(i) /= status_text(k), &
+            call expect(error, len(status_text(i)) > 0 .and. status_text(i) /= status_text(k), &
                "status text empty or used twice: "//status_text(i))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_status_texts
@@ -101,8 +95,7 @@ contains
       integer, parameter :: strange(4) = [-1, poinsot_e_axis_momentum + 1, huge(1), -huge(1)]
       integer :: i
       do i = 1, size(strange)
-         call check(error, status_text(strange(i)), "unknown status")
-         if (allocated(error)) return
+         call expect(error, status_text(strange(i)), "unknown status")
       end do
    end subroutine test_unknown_status
 
@@ -110,17 +103,14 @@ contains
    subroutine test_error_life(error)
       type(error_type), allocatable, intent(out) :: error
       type(poinsot_error) :: e
-      call check(error,.not. raised(e), "a new error is raised")
-      if (allocated(error)) return
+      call expect(error, .not. raised(e), "a new error is raised")
       call raise(e, poinsot_e_null, "y is NULL")
-      call check(error, raised(e) .and. e%code == poinsot_e_null .and. &
+      call expect(error, raised(e) .and. e%code == poinsot_e_null .and. &
          e%message == "y is NULL", "raise with a message")
-      if (allocated(error)) return
       call raise(e, poinsot_e_axis_momentum)
-      call check(error, e%message, status_text(poinsot_e_axis_momentum))
-      if (allocated(error)) return
+      call expect(error, e%message, status_text(poinsot_e_axis_momentum))
       call clear(e)
-      call check(error,.not. raised(e) .and. .not. allocated(e%message), "clear leaves something")
+      call expect(error, .not. raised(e) .and. .not. allocated(e%message), "clear leaves something")
    end subroutine test_error_life
 
    subroutine test_version(error)
@@ -129,7 +119,7 @@ contains
       integer :: n
       n = version_number
       write (text, '(i0, ".", i0, ".", i0)') n/10000, mod(n/100, 100), mod(n, 100)
-      call check(error, trim(text), version_text)
+      call expect(error, trim(text), version_text)
    end subroutine test_version
 
    !> The manifest is the other place that says the version.
@@ -147,9 +137,8 @@ contains
          if (stat /= 0 .or. index(line, "version = ") == 1) exit
       end do
       close (unit)
-      call check(error, stat, "fpm.toml has no version")
-      if (allocated(error)) return
-      call check(error, trim(line), 'version = "'//version_text//'"')
+      call expect(error, stat, "fpm.toml has no version")
+      call expect(error, trim(line), 'version = "'//version_text//'"')
    end subroutine test_manifest
 
    !> The characters of the run-time library, for doubles of all sizes, ties and ends of the range.
@@ -215,7 +204,7 @@ contains
       text = "x="
       n = 2
       call append_number(x, text, n)
-      call check(error, text(:n), "x="//want)
+      call expect(error, text(:n), "x="//want)
    end subroutine expect_text
 
    subroutine test_whole_numbers(error)
@@ -230,8 +219,7 @@ contains
          n = 1
          call append_integer(number, text, n)
          write (want, "('#', i0)") number
-         call check(error, text(:n), trim(want))
-         if (allocated(error)) return
+         call expect(error, text(:n), trim(want))
          number = number/3 + merge(huge(number), 0_i8, k == 41)
       end do
    end subroutine test_whole_numbers

@@ -3,13 +3,14 @@
 !> them.
 module test_drift
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, qp, i8, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_core_status, only: poinsot_ok
    use poinsot_body_class, only: body_class
    use poinsot_free_method, only: free_method, advance
    use test_bodies, only: random_stream, start_stream
+   use test_expectation, only: expect
    use test_free_tools, only: prepare, random_block, generic, text
    use test_measure, only: measure_slope
    implicit none(type, external)
@@ -81,22 +82,18 @@ contains
             call run(r, times(k) - merge(times(max(k - 1, 1)), 0_i8, k > 1))
             call defects(r, rms(k, 1), rms(k, 2), norm)
          end do
-         call check(error, all(r%status == poinsot_ok), name//" fails")
-         if (allocated(error)) return
-         call check(error, norm < 1.0e-15_dp, name//" loses |q|: "//text(norm))
-         if (allocated(error)) return
+         call expect(error, all(r%status == poinsot_ok), name//" fails")
+         call expect(error, norm < 1.0e-15_dp, name//" loses |q|: "//text(norm))
          largest = merge(1.0e-13_dp, 1.0e-15_dp, mode == 1)
          do j = 1, 2
             if (j == 1 .and. .not. r%method%conserves_energy) cycle
             call measure_slope(real(times, dp), rms(:, j), 1.0e-19_dp, slope(j), used)
-            call check(error, rms(points, j) < largest, &
+            call expect(error, rms(points, j) < largest, &
                        name//merge(", plain,      ", ", compensated,", mode == 1)//merge(" H: ", &
                        "|y|:", j == 1)//text(rms(points, j)))
-            if (allocated(error)) return
-            call check(error, slope(j) < merge(0.9_dp, 0.65_dp, mode == 1), &
+            call expect(error, slope(j) < merge(0.9_dp, 0.65_dp, mode == 1), &
                        name//merge(", plain,      ", ", compensated,", mode == 1)//merge(" H ", &
                        "|y|", j == 1)// " grows with the power "//text(slope(j)))
-            if (allocated(error)) return
          end do
       end do
    end subroutine judge
@@ -129,15 +126,12 @@ contains
          write (output_unit, '(2x, a, 6x, 3es15.2, 10x, 3f8.2)') modes(mode), rms(mode), &
                 momentum(mode), norm(mode), minval(exponents), sum(exponents)/rotors_count, &
                 maxval(exponents)
-         call check(error, all(r%status == poinsot_ok) .and. norm(mode) < 1.0e-15_dp, &
+         call expect(error, all(r%status == poinsot_ok) .and. norm(mode) < 1.0e-15_dp, &
             "|q|: "//text(norm(mode)))
-         if (allocated(error)) return
       end do
-      call check(error, rms(2) <= 5.0e-14_dp, "rms |dH/H| "//text(rms(2)))
-      if (allocated(error)) return
-      call check(error, momentum(2) <= 5.0e-14_dp, "rms |d|y||/|y| "//text(momentum(2)))
-      if (allocated(error)) return
-      call check(error, maxval(exponents) <= 0.6_dp, "growth exponent "//text(maxval(exponents)))
+      call expect(error, rms(2) <= 5.0e-14_dp, "rms |dH/H| "//text(rms(2)))
+      call expect(error, momentum(2) <= 5.0e-14_dp, "rms |d|y||/|y| "//text(momentum(2)))
+      call expect(error, maxval(exponents) <= 0.6_dp, "growth exponent "//text(maxval(exponents)))
    end subroutine test_deep
 
    !> Exponent of every rotor: slope of log rms (H(t + tau) - H(t)) over log tau, tau = 4, 8, ...

@@ -3,7 +3,7 @@
 !> thermostat in test_effect_random.
 module test_effect
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_size
    use poinsot_core_error, only: poinsot_error, raised
@@ -15,6 +15,7 @@ module test_effect
    use test_effect_motion, only: collect_motion
    use test_effect_random, only: collect_random
    use test_effect_torque, only: collect_torque, energy_of, states
+   use test_expectation, only: expect
    use test_turning, only: generic_y
    implicit none(type, external)
    private
@@ -45,18 +46,16 @@ contains
       integer :: i, j
       do i = 1, effect_count
          info = describe_effect(i)
-         call check(error, info%name /= "" .and. info%formula /= "" .and. info%check /= "", &
+         call expect(error, info%name /= "" .and. info%formula /= "" .and. info%check /= "", &
             "incomplete row")
-         if (allocated(error)) return
          do j = 1, i - 1
-            call check(error, effect_name(j) /= effect_name(i), "name used twice: "//effect_name(i))
-            if (allocated(error)) return
+            call expect(error, effect_name(j) /= effect_name(i), &
+               "name used twice: "//effect_name(i))
          end do
          do j = 1, size(info%keys)
-            call check(error, info%keys(j)%meaning /= "" .and. (info%keys(j)%is_text .or. &
+            call expect(error, info%keys(j)%meaning /= "" .and. (info%keys(j)%is_text .or. &
                info%keys(j)%units /= ""), &
                "key without words: "//trim(info%name)//" "//info%keys(j)%name)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_rows
@@ -76,21 +75,20 @@ contains
          call required(info, settings)
          refusal = poinsot_error()
          call make_effect(effect_name(i), settings, made, refusal)
-         call check(error,.not. raised(refusal) .and. allocated(made), "not made: "//effect_name(i))
+         call expect(error, .not. raised(refusal) .and. allocated(made), &
+            "not made: "//effect_name(i))
          if (allocated(error)) return
-         call check(error, made%name == info%name .and. made%class_index == 0, &
+         call expect(error, made%name == info%name .and. made%class_index == 0, &
             "made with another name or class")
-         if (allocated(error)) return
          if (size(settings) == 0) cycle
          do k = 1, size(settings)
             refusal = poinsot_error()
             call make_effect(effect_name(i), [settings(:k - 1), settings(k + 1:)], made, refusal)
-            call check(error, raised(refusal) .and. .not. allocated(made), &
+            call expect(error, raised(refusal) .and. .not. allocated(made), &
                "made without a required key")
             if (allocated(error)) return
-            call check(error, index(refusal%message, "'"//settings(k)%key//"'") > 0, &
+            call expect(error, index(refusal%message, "'"//settings(k)%key//"'") > 0, &
                refusal%message)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_making
@@ -113,20 +111,16 @@ contains
       class(effect), allocatable :: made
       type(poinsot_error) :: refusal
       call make_effect("gravty", [setting ::], made, refusal)
-      call check(error, refusal%code, poinsot_e_method)
-      if (allocated(error)) return
-      call check(error, index(refusal%message, "'gravity'") > 0, refusal%message)
-      if (allocated(error)) return
+      call expect(error, refusal%code, poinsot_e_method)
+      call expect(error, index(refusal%message, "'gravity'") > 0, refusal%message)
       refusal = poinsot_error()
       call make_effect("gravity", [number_setting("center", generic_y)], made, refusal)
-      call check(error, refusal%code, poinsot_e_method)
-      if (allocated(error)) return
-      call check(error, index(refusal%message, "'centre'") > 0 .and. &
+      call expect(error, refusal%code, poinsot_e_method)
+      call expect(error, index(refusal%message, "'centre'") > 0 .and. &
                  index(refusal%message, "'center'") > 0, refusal%message)
-      if (allocated(error)) return
       refusal = poinsot_error()
       call make_effect("callback", [setting ::], made, refusal)
-      call check(error, raised(refusal), "a callback cannot be made from settings")
+      call expect(error, raised(refusal), "a callback cannot be made from settings")
    end subroutine test_unknown
 
    subroutine test_refusals(error)
@@ -179,9 +173,9 @@ contains
       type(poinsot_error) :: refusal
       if (allocated(error)) return
       call make_effect(name, settings, made, refusal)
-      call check(error, refusal%code, code, name//" took a bad "//settings(size(settings))%key)
+      call expect(error, refusal%code, code, name//" took a bad "//settings(size(settings))%key)
       if (allocated(error)) return
-      call check(error,.not. allocated(made) .and. index(refusal%message, name) > 0, &
+      call expect(error, .not. allocated(made) .and. index(refusal%message, name) > 0, &
          "message: "//refusal%message)
    end subroutine refused
 
@@ -198,9 +192,8 @@ contains
                        number_setting("up", [0.0_dp, 0.0_dp, 1e200_dp])], said, refusal)
       call energy_of(plain, states(1), 0.0_dp, u)
       call energy_of(said, states(1), 0.0_dp, v)
-      call check(error, all(u == v), "defaults")
-      if (allocated(error)) return
-      call check(error, said%class_index == 3 .and. .not. said%acts_on(1) .and. &
+      call expect(error, all(u == v), "defaults")
+      call expect(error, said%class_index == 3 .and. .not. said%acts_on(1) .and. &
                  said%acts_on(3) .and. plain%acts_on(7), "class")
    end subroutine test_defaults
 
@@ -215,7 +208,7 @@ contains
          text_setting("motion", "rotating")], made, refusal)
       select type (made)
       type is (field)
-         call check(error, maxval(abs(made%at_time(0.25_dp*pi) - [-1.0_dp, 0.0_dp, 0.5_dp])) &
+         call expect(error, maxval(abs(made%at_time(0.25_dp*pi) - [-1.0_dp, 0.0_dp, 0.5_dp])) &
             < 1e-15_dp, "rotating")
       end select
       if (allocated(error)) return
@@ -224,7 +217,7 @@ contains
                        text_setting("motion", "oscillating")], made, refusal)
       select type (made)
       type is (field)
-         call check(error, maxval(abs(made%at_time(pi/6) - 0.5_dp*e)) < 1e-15_dp, "oscillating")
+         call expect(error, maxval(abs(made%at_time(pi/6) - 0.5_dp*e)) < 1e-15_dp, "oscillating")
       end select
    end subroutine test_moving
 
@@ -237,11 +230,10 @@ contains
          c(3) = [0.0_dp, 8.0_dp, 0.0_dp]
       call make_effect("torque", [number_setting("times", [1.0_dp, 3.0_dp, 4.0_dp]), &
          number_setting("table", [a, b, c])], made, refusal)
-      call check(error,.not. raised(refusal), "table refused")
-      if (allocated(error)) return
+      call expect(error, .not. raised(refusal), "table refused")
       select type (made)
       type is (torque)
-         call check(error, all(made%at_time(-5.0_dp) == a) .and. &
+         call expect(error, all(made%at_time(-5.0_dp) == a) .and. &
                     all(made%at_time(1.0_dp) == a) .and. all(made%at_time(3.0_dp) == b) .and. &
                     all(made%at_time(9.0_dp) == c) .and. &
                     maxval(abs(made%at_time(1.5_dp) - (0.75_dp*a + 0.25_dp*b))) < 1e-15_dp .and. &

@@ -1,7 +1,7 @@
 !> What theory says of the motion under each effect: conserved quantities, frequencies, exact
 !> solutions (the analytic checks the registry names).
 module test_effect_motion
-   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_effect_effect, only: effect_item, pair_effect
@@ -10,6 +10,7 @@ module test_effect_motion
    use poinsot_effect_settings, only: setting, number_setting, text_setting
    use poinsot_splitting_stepper, only: flows, run_steps
    use poinsot_splitting_block_flows, only: block_flows
+   use test_expectation, only: expect
    use test_oracle_algebra, only: quaternion_product, rotate, rotate_back
    use test_turning, only: bench, set_up, place, run, generic_moments_of, generic_y, generic_q
    implicit none(type, external)
@@ -80,18 +81,15 @@ contains
       do root = -1, 1, 2
          rate = (i3*spin + root*sqrt((i3*spin)**2 - 4*i1*mgl*cos(th)))/(2*i1*cos(th))
          call set_up(it, [i1, i1, i3], "exact", "srkn6", [gravity([0.0_dp, 0.0_dp, mgl])])
-         call check(error, it%good, it%message)
-         if (allocated(error)) return
+         call expect(error, it%good, it%message)
          y = [0.0_dp, i1*rate*sin(th), i3*spin]
          q = [cos(0.5_dp*th), sin(0.5_dp*th), 0.0_dp, 0.0_dp]
          call place(it, y, q)
          call run(it, 0.0_dp, t/600, 0, 600)
          axis = rotate(it%block%q(1, :), z_axis)
-         call check(error, axis(3), cos(th), thr=1e-11_dp, message="tilt")
-         if (allocated(error)) return
+         call expect(error, axis(3), cos(th), thr=1e-11_dp, message="tilt")
          late = modulo(atan2(axis(1), -axis(2)) - rate*t + pi, 2*pi) - pi
-         call check(error, abs(late) < 1e-10_dp, "precession")
-         if (allocated(error)) return
+         call expect(error, abs(late) < 1e-10_dp, "precession")
       end do
    end subroutine test_precession
 
@@ -109,13 +107,10 @@ contains
       y = it%block%y(1, :)
       l = rotate(it%block%q(1, :), y) - rotate(generic_q, generic_y)
       call it%block%energies(0.0_dp, kinetic, potential)
-      call check(error, y(3), generic_y(3), thr=2e-14_dp, message="y3")
-      if (allocated(error)) return
-      call check(error, l(3), 0.0_dp, thr=2e-13_dp, message="L_z")
-      if (allocated(error)) return
-      call check(error, abs(l(1)) > 0.01_dp, "L_x is kept too: is there gravity?")
-      if (allocated(error)) return
-      call check(error, kinetic(1) + potential(1), energy, thr=1e-11_dp, message="energy")
+      call expect(error, y(3), generic_y(3), thr=2e-14_dp, message="y3")
+      call expect(error, l(3), 0.0_dp, thr=2e-13_dp, message="L_z")
+      call expect(error, abs(l(1)) > 0.01_dp, "L_x is kept too: is there gravity?")
+      call expect(error, kinetic(1) + potential(1), energy, thr=1e-11_dp, message="energy")
    end subroutine test_lagrange
 
    !> Upright and spinning, stable if and only if I3^2 w3^2 > 4 I1 m g l: 5 % above and below.
@@ -135,9 +130,8 @@ contains
             axis = rotate(it%block%q(1, :), z_axis)
             tilt = max(tilt, norm2(axis(1:2)))
          end do
-         if (side > 0) call check(error, tilt < 0.03_dp, "a fast top fell over")
-         if (side < 0) call check(error, tilt > 0.2_dp, "a slow top did not fall")
-         if (allocated(error)) return
+         if (side > 0) call expect(error, tilt < 0.03_dp, "a fast top fell over")
+         if (side < 0) call expect(error, tilt > 0.2_dp, "a slow top did not fall")
       end do
    end subroutine test_sleeping
 
@@ -153,7 +147,7 @@ contains
       before = integral(it)
       call run(it, 0.0_dp, 0.02_dp, 0, 1000)
       after = integral(it)
-      call check(error, after, before, thr=1e-10_dp)
+      call expect(error, after, before, thr=1e-10_dp)
 
    contains
 
@@ -189,8 +183,7 @@ contains
       real(dp), parameter :: small = 1e-4_dp
       real(dp) :: q(4), part(3), h
       integer :: k
-      call check(error, it%good, it%message)
-      if (allocated(error)) return
+      call expect(error, it%good, it%message)
       q = 0
       q(1) = cos(0.5_dp*small)
       q(1 + j) = sin(0.5_dp*small)
@@ -201,10 +194,9 @@ contains
          it%block%fresh = .false.
          part(k) = 2*it%block%q(1, 1 + j)/small
       end do
-      call check(error, maxval(abs(part - [0.0_dp, -1.0_dp, 1.0_dp])) < 1e-7_dp, &
+      call expect(error, maxval(abs(part - [0.0_dp, -1.0_dp, 1.0_dp])) < 1e-7_dp, &
          "libration is not sqrt(k/I)")
-      if (allocated(error)) return
-      call check(error, abs(it%block%y(1, j)) < 1e-7_dp*small*rate, "not at rest after a period")
+      call expect(error, abs(it%block%y(1, j)) < 1e-7_dp*small*rate, "not at rest after a period")
    end subroutine libration
 
    !> E0 cos(W t), W fast: slow libration at mu E0/(sqrt(2) I W), within 1 %, seen once per fast
@@ -218,8 +210,7 @@ contains
       call set_up(it, [i1, i1, i1], "exact", "srkn4", [one("field", &
                   [number_setting("dipole", pull*z_axis), number_setting("strength", z_axis), &
                   number_setting("frequency", [fast]), text_setting("motion", "oscillating")])])
-      call check(error, it%good, it%message)
-      if (allocated(error)) return
+      call expect(error, it%good, it%message)
       call place(it, nowhere, [cos(0.5_dp*small), sin(0.5_dp*small), 0.0_dp, 0.0_dp])
       slow = pull/(sqrt(2.0_dp)*i1*fast)
       period = 2*pi/fast
@@ -237,9 +228,8 @@ contains
          end if
          before = now
       end do
-      call check(error, crossings > 4, "no slow libration")
-      if (allocated(error)) return
-      call check(error, pi*(crossings - 1)/(last - first)/slow, 1.0_dp, thr=0.01_dp, &
+      call expect(error, crossings > 4, "no slow libration")
+      call expect(error, pi*(crossings - 1)/(last - first)/slow, 1.0_dp, thr=0.01_dp, &
          message="slow rate")
    end subroutine test_fast_field
 
@@ -257,7 +247,7 @@ contains
       call place(it, [0.0_dp, 0.0_dp, rate*generic_moments_of(3)], unity)
       call run(it, 0.0_dp, t/500, 0, 500)
       direction = rotate(it%block%q(1, :), x_axis)
-      call check(error, norm2(direction - [cos(rate*t), sin(rate*t), 0.0_dp]) < 1e-12_dp, &
+      call expect(error, norm2(direction - [cos(rate*t), sin(rate*t), 0.0_dp]) < 1e-12_dp, &
          "left behind")
    end subroutine test_rotating_field
 
@@ -271,20 +261,18 @@ contains
       real(dp) :: period, offset
       call set_up(it, [yaw, roll, pitch], "exact", "srkn6", [one("gravity_gradient", &
          [number_setting("rate", [n])])])
-      call check(error, it%good, it%message)
-      if (allocated(error)) return
+      call expect(error, it%good, it%message)
       period = 2*pi/(n*sqrt(3*(roll - yaw)/pitch))
       call place(it, [0.0_dp, 0.0_dp, pitch*n], [cos(0.5_dp*small), 0.0_dp, 0.0_dp, &
          sin(0.5_dp*small)])
       call run(it, 0.0_dp, period/500, 0, 250)
       offset = 2*atan2(it%block%q(1, 4), it%block%q(1, 1)) - 0.5_dp*n*period
-      call check(error, modulo(offset/small + 1 + pi/small, 2*pi/small) - pi/small, 0.0_dp, &
+      call expect(error, modulo(offset/small + 1 + pi/small, 2*pi/small) - pi/small, 0.0_dp, &
          thr=1e-6_dp, message="half")
-      if (allocated(error)) return
       it%block%fresh = .false.
       call run(it, 0.0_dp, period/500, 250, 250)
       offset = 2*atan2(it%block%q(1, 4), it%block%q(1, 1)) - n*period
-      call check(error, modulo(offset/small - 1 + pi/small, 2*pi/small) - pi/small, 0.0_dp, &
+      call expect(error, modulo(offset/small - 1 + pi/small, 2*pi/small) - pi/small, 0.0_dp, &
          thr=1e-6_dp, message="whole")
    end subroutine test_pitch
 
@@ -309,7 +297,7 @@ contains
       call place(it, generic_y, generic_q)
       call run(it, 0.0_dp, t/20, 0, 20)
       l = rotate(it%block%q(1, :), it%block%y(1, :))
-      call check(error, norm2(l - rotate(generic_q, generic_y) - t*value) < 1e-14_dp, &
+      call expect(error, norm2(l - rotate(generic_q, generic_y) - t*value) < 1e-14_dp, &
          "L0 + integral")
    end subroutine test_space_torque
 
@@ -328,7 +316,7 @@ contains
       call place(it, generic_y, generic_q)
       call run(it, 0.0_dp, t/100, 0, 100)
       l = rotate(it%block%q(1, :), it%block%y(1, :)) - rotate(generic_q, generic_y)
-      call check(error, norm2(l - value*(sin(w*t + phase) - sin(phase))/w) < 1e-13_dp, &
+      call expect(error, norm2(l - value*(sin(w*t + phase) - sin(phase))/w) < 1e-13_dp, &
          "integral of the torque")
    end subroutine test_harmonic
 
@@ -343,7 +331,7 @@ contains
       call place(it, generic_y, generic_q)
       call run(it, 0.0_dp, t/3, 0, 3)
       l = rotate(it%block%q(1, :), it%block%y(1, :))
-      call check(error, norm2(l - exp(-0.4_dp*t/0.7_dp)*rotate(generic_q, generic_y)) &
+      call expect(error, norm2(l - exp(-0.4_dp*t/0.7_dp)*rotate(generic_q, generic_y)) &
          < 1e-14_dp, "decay")
    end subroutine test_drag
 
@@ -366,7 +354,7 @@ contains
       end do
       lost = (lost - power(it))*h/3
       call it%block%energies(0.0_dp, kinetic, potential)
-      call check(error, before - kinetic(1), lost, thr=1e-6_dp)
+      call expect(error, before - kinetic(1), lost, thr=1e-6_dp)
 
    contains
 
@@ -384,19 +372,16 @@ contains
       real(dp) :: kinetic(lanes), potential(lanes), before, l(3)
       call set_up(it, generic_moments_of, "exact", "omelyan8", [one("gyrostat", &
          [number_setting("rotor", [0.4_dp, -0.3_dp, 0.6_dp])])])
-      call check(error, it%good, it%message)
-      if (allocated(error)) return
+      call expect(error, it%good, it%message)
       call place(it, generic_y, generic_q)
       call it%block%energies(0.0_dp, kinetic, potential)
       before = kinetic(1)
       call run(it, 0.0_dp, 0.1_dp, 0, 500)
       call it%block%energies(0.0_dp, kinetic, potential)
-      call check(error, kinetic(1), before, thr=1e-11_dp, message="T")
-      if (allocated(error)) return
-      call check(error, norm2(it%block%y(1, :)), norm2(generic_y), thr=1e-12_dp, message="|y|")
-      if (allocated(error)) return
+      call expect(error, kinetic(1), before, thr=1e-11_dp, message="T")
+      call expect(error, norm2(it%block%y(1, :)), norm2(generic_y), thr=1e-12_dp, message="|y|")
       l = rotate(it%block%q(1, :), it%block%y(1, :)) - rotate(generic_q, generic_y)
-      call check(error, norm2(l) < 1e-12_dp, "L")
+      call expect(error, norm2(l) < 1e-12_dp, "L")
    end subroutine test_gyrostat
 
    !> Spin about the middle axis turns over by itself and stays with a rotor along that axis.
@@ -418,9 +403,8 @@ contains
             call run(it, 0.0_dp, 0.1_dp, 5*k, 5)
             least = min(least, it%block%y(1, 2)/0.8_dp)
          end do
-         if (with == 1) call check(error, least > 0.99_dp, "turned over with a rotor")
-         if (with == 0) call check(error, least < -0.99_dp, "did not turn over without a rotor")
-         if (allocated(error)) return
+         if (with == 1) call expect(error, least > 0.99_dp, "turned over with a rotor")
+         if (with == 0) call expect(error, least < -0.99_dp, "did not turn over without a rotor")
       end do
    end subroutine test_middle
 
@@ -445,13 +429,11 @@ contains
          if (mode == 1) two%block%q(2, 4) = -two%block%q(2, 4)
          call run_steps(it%scheme, two, 0.0_dp, 2*pi/rate/400, 0_i8, 200_i8)
          part = two%block%q(1:2, 4)/(0.5_dp*small)
-         call check(error, maxval(abs(part - [-1.0_dp, merge(1.0_dp, -1.0_dp, mode == 1)])) &
+         call expect(error, maxval(abs(part - [-1.0_dp, merge(1.0_dp, -1.0_dp, mode == 1)])) &
             < 1e-7_dp, "half a period")
-         if (allocated(error)) return
          call run_steps(it%scheme, two, 0.0_dp, 2*pi/rate/400, 200_i8, 200_i8)
-         call check(error, maxval(abs(two%block%y(1:2, 3))) < 1e-6_dp*small*rate, &
+         call expect(error, maxval(abs(two%block%y(1:2, 3))) < 1e-6_dp*small*rate, &
             "not at rest after a period")
-         if (allocated(error)) return
       end do
    end subroutine test_dipoles
 
@@ -475,11 +457,9 @@ contains
       call run_steps(it%scheme, two, 0.0_dp, 0.02_dp, 0_i8, 500_i8)
       after = momentum(two)
       finish = energy(two)
-      call check(error, after(1), before(1), thr=1e-13_dp, message="L along the line")
-      if (allocated(error)) return
-      call check(error, abs(after(2) - before(2)) > 1e-2_dp, "no torque at all?")
-      if (allocated(error)) return
-      call check(error, finish, start, thr=1e-11_dp, message="energy")
+      call expect(error, after(1), before(1), thr=1e-13_dp, message="L along the line")
+      call expect(error, abs(after(2) - before(2)) > 1e-2_dp, "no torque at all?")
+      call expect(error, finish, start, thr=1e-11_dp, message="energy")
    end subroutine test_dipole_momentum
 
    subroutine pair_up(two, it, pair)
@@ -554,16 +534,13 @@ contains
          if (form == 1) allocate (own_torque :: mine(1)%it)
          if (form == 2) allocate (own_potential :: mine(1)%it)
          call set_up(other, generic_moments_of, "exact", "srkn6", mine)
-         call check(error, other%good, other%message)
-         if (allocated(error)) return
+         call expect(error, other%good, other%message)
          call place(other, generic_y, generic_q)
          call run(other, 0.0_dp, 0.05_dp, 0, 100)
-         call check(error, maxval(abs(other%block%y - it%block%y)) < 1e-12_dp .and. &
+         call expect(error, maxval(abs(other%block%y - it%block%y)) < 1e-12_dp .and. &
             maxval(abs(other%block%q - it%block%q)) < 1e-12_dp, "another motion")
-         if (allocated(error)) return
          call other%block%energies(5.0_dp, k2, u2)
-         call check(error, maxval(abs(u1 - u2)) < 1e-12_dp, "another energy")
-         if (allocated(error)) return
+         call expect(error, maxval(abs(u1 - u2)) < 1e-12_dp, "another energy")
       end do
    end subroutine test_callback
 

@@ -1,7 +1,7 @@
 !> Random numbers of the thermostat, and what it must leave behind: kT/2 on each axis that can turn,
 !> for every kind of body, and Boltzmann's distribution of attitudes.
 module test_effect_random
-   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp, i4, i8, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_effect_effect, only: effect_item, flow_effect
@@ -10,6 +10,7 @@ module test_effect_random
    use poinsot_effect_settings, only: number_setting
    use poinsot_rotation_random, only: philox_block, random_words
    use test_bodies, only: random_stream, start_stream, random_quaternion
+   use test_expectation, only: expect
    use test_oracle_algebra, only: rotate
    use test_turning, only: bench, set_up, place, run, generic_moments_of, generic_y, generic_q
    implicit none(type, external)
@@ -56,7 +57,7 @@ contains
       integer(i8) :: c(lanes, 4), word(lanes, 4)
       c = spread(counter, 1, lanes)
       call philox_block(key, c, word)
-      call check(error, all(word == spread(want, 1, lanes)), "philox4x32-10")
+      call expect(error, all(word == spread(want, 1, lanes)), "philox4x32-10")
    end subroutine one_vector
 
    subroutine test_same_words(error)
@@ -71,8 +72,7 @@ contains
       do l = 1, lanes
          call random_words(seed, int(l, i8), 77_i8 + 5_i8*4294967296_i8, 9_i4, w(1), &
                            w(2), w(3), w(4))
-         call check(error, all(word(l, :) == w), "words differ")
-         if (allocated(error)) return
+         call expect(error, all(word(l, :) == w), "words differ")
       end do
    end subroutine test_same_words
 
@@ -101,13 +101,10 @@ contains
          last = cshift(xi, 1)
       end do
       associate (all_of => real(n*lanes, dp))
-         call check(error, maxval(abs(m))/sqrt(all_of) < 5, "mean")
-         if (allocated(error)) return
-         call check(error, maxval(abs(v/all_of - 1))*sqrt(all_of/2) < 5, "variance")
-         if (allocated(error)) return
-         call check(error, maxval(abs(k/all_of - 3))*sqrt(all_of/96) < 5, "fourth moment")
-         if (allocated(error)) return
-         call check(error, maxval(abs([c, s]))/sqrt(all_of) < 5, "correlation")
+         call expect(error, maxval(abs(m))/sqrt(all_of) < 5, "mean")
+         call expect(error, maxval(abs(v/all_of - 1))*sqrt(all_of/2) < 5, "variance")
+         call expect(error, maxval(abs(k/all_of - 3))*sqrt(all_of/96) < 5, "fourth moment")
+         call expect(error, maxval(abs([c, s]))/sqrt(all_of) < 5, "correlation")
       end associate
    end subroutine test_gaussian
 
@@ -120,16 +117,13 @@ contains
       id = [(int(l, i8) - 9_i8, l=1, lanes)]
       call gaussian_block(-3_i8, id, 5_i8, 0, a)
       call gaussian_block(-3_i8, id(lanes:1:-1), 5_i8, 0, b)
-      call check(error, all(a == b(lanes:1:-1, :)), "numbers depend on the lane")
-      if (allocated(error)) return
+      call expect(error, all(a == b(lanes:1:-1, :)), "numbers depend on the lane")
       call gaussian_block(-3_i8, id, 5_i8, 1, b)
-      call check(error, all(a /= b), "halves are equal")
-      if (allocated(error)) return
+      call expect(error, all(a /= b), "halves are equal")
       call gaussian_block(-3_i8, id, 5_i8 + 2_i8**33, 0, b)
-      call check(error, all(a /= b), "steps are equal")
-      if (allocated(error)) return
+      call expect(error, all(a /= b), "steps are equal")
       call gaussian_block(-4_i8, id, 5_i8, 0, b)
-      call check(error, all(a /= b) .and. all(a(:lanes - 1, :) /= a(2:, :)), &
+      call expect(error, all(a /= b) .and. all(a(:lanes - 1, :) /= a(2:, :)), &
          "seeds or bodies are equal")
    end subroutine test_counter
 
@@ -158,8 +152,7 @@ contains
          number_setting("temperature", [temperature])], effects(1)%it, refusal)
       do i = 1, 6
          call set_up(it, unit*moments(:, i), "exact", "strang", effects)
-         call check(error, it%good, it%message)
-         if (allocated(error)) return
+         call expect(error, it%good, it%message)
          it%block%seed = 7
          start = sqrt(temperature*unit*moments(:, i))
          heat = 0
@@ -173,16 +166,15 @@ contains
                   heat(j) = heat(j) + sum((it%block%y(:, j)*it%class%inverse(j))*it%block%y(:, j))
                end do
             end do
-            call check(error, all(it%block%status == 0), "status: "//kinds(i))
-            if (allocated(error)) return
+            call expect(error, all(it%block%status == 0), "status: "//kinds(i))
          end do
          heat = heat/(temperature*blocks*steps*lanes)
          do j = 1, 3
             if (moments(j, i) > 0) then
-               call check(error, abs(heat(j) - 1) < 5*sqrt(2.0_dp/(blocks*steps*lanes)), &
+               call expect(error, abs(heat(j) - 1) < 5*sqrt(2.0_dp/(blocks*steps*lanes)), &
                   "temperature: "//kinds(i))
             else
-               call check(error, all(it%block%y(:, j) == 0), &
+               call expect(error, all(it%block%y(:, j) == 0), &
                   "an axis without inertia was heated: "//kinds(i))
             end if
             if (allocated(error)) return
@@ -208,8 +200,7 @@ contains
       call make_effect("field", [number_setting("dipole", [0.0_dp, 1.0_dp, 0.0_dp]), &
          number_setting("strength", [0.0_dp, 0.0_dp, 1.0_dp])], effects(2)%it, refusal)
       call set_up(it, generic_moments_of, "exact", "strang", effects)
-      call check(error, it%good, it%message)
-      if (allocated(error)) return
+      call expect(error, it%good, it%message)
       it%block%seed = 11
       stream = start_stream(5)
       first = 0
@@ -232,9 +223,8 @@ contains
       end do
       x = 2
       want = 1/tanh(x) - 1/x
-      call check(error, within(first, want), "<cos>")
-      if (allocated(error)) return
-      call check(error, within(second, 1 - 2*want/x), "<cos^2>")
+      call expect(error, within(first, want), "<cos>")
+      call expect(error, within(second, 1 - 2*want/x), "<cos^2>")
    end subroutine test_boltzmann
 
    pure logical function within(samples, want)
@@ -262,7 +252,7 @@ contains
       call place(other, generic_y, generic_q)
       call run(it, 0.0_dp, 0.1_dp, 0, 20)
       call run(other, 0.0_dp, 0.1_dp, 0, 20)
-      call check(error, all(it%block%y == other%block%y) .and. &
+      call expect(error, all(it%block%y == other%block%y) .and. &
                  all(it%block%q == other%block%q), "not drag")
    end subroutine test_cold
 
@@ -293,7 +283,7 @@ contains
       end do
       want = start*exp(-0.5_dp*2.0_dp/2.0_dp)
       spread = sqrt(0.1_dp*2.0_dp*(1 - exp(-2*0.5_dp*2.0_dp/2.0_dp))/(blocks*lanes))
-      call check(error, maxval(abs(sum_l - want)) < 5*spread, "decay of the mean")
+      call expect(error, maxval(abs(sum_l - want)) < 5*spread, "decay of the mean")
    end subroutine test_relaxation
 
    subroutine test_forward(error)
@@ -303,7 +293,7 @@ contains
       call make_effect("langevin", [number_setting("friction", [0.3_dp]), &
                        number_setting("temperature", [0.0_dp])], hot%it, refusal)
       call make_effect("drag", [number_setting("friction", [0.3_dp])], plain%it, refusal)
-      call check(error, forward(hot) .and. forward(plain), "noise and drag have no way back")
+      call expect(error, forward(hot) .and. forward(plain), "noise and drag have no way back")
    end subroutine test_forward
 
    logical function forward(item)

@@ -1,6 +1,6 @@
 !> Torque against energy, force gradient against torque, axes and bodies that feel nothing.
 module test_effect_torque
-   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_body_class, only: body_class, make_class
@@ -9,6 +9,7 @@ module test_effect_torque
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: number_setting, text_setting
    use test_bodies, only: random_stream, start_stream, uniform, random_quaternion
+   use test_expectation, only: expect
    use test_oracle_algebra, only: quaternion_product, rotate_back
    use test_turning, only: bench, set_up, place, generic_moments_of, generic_q
    implicit none(type, external)
@@ -54,12 +55,10 @@ contains
             w(j) = step
             call energy_of(effects(i)%it, moved(q, w), t, up)
             call energy_of(effects(i)%it, moved(q, -w), t, down)
-            call check(error, maxval(abs(g(:, j) + (up - &
+            call expect(error, maxval(abs(g(:, j) + (up - &
                        down)/(2*step))) < 1e-9_dp*maxval(abs(g)), "torque of "//effects(i)%it%name)
-            if (allocated(error)) return
          end do
-         call check(error, maxval(abs(g)) > 0.1_dp, "no torque of "//effects(i)%it%name)
-         if (allocated(error)) return
+         call expect(error, maxval(abs(g)) > 0.1_dp, "no torque of "//effects(i)%it%name)
       end do
    end subroutine test_torques
 
@@ -84,15 +83,13 @@ contains
       do i = 1, size(effects)
          select type (one => effects(i)%it)
          class is (torque_effect)
-            call check(error, one%has_gradient(), "no gradient: "//one%name)
-            if (allocated(error)) return
+            call expect(error, one%has_gradient(), "no gradient: "//one%name)
             dg = 0
             call one%add_derivative(class, t, q, w, dg)
             call torque_at(one, each_moved(q, step*w), t, up)
             call torque_at(one, each_moved(q, -step*w), t, down)
-            call check(error, maxval(abs(dg - (up - down)/(2*step))) < 1e-9_dp*max(1.0_dp, &
+            call expect(error, maxval(abs(dg - (up - down)/(2*step))) < 1e-9_dp*max(1.0_dp, &
                        maxval(abs(dg))), "derivative of "//one%name)
-            if (allocated(error)) return
          end select
       end do
    end subroutine test_derivatives
@@ -113,7 +110,7 @@ contains
       m = 1/generic_moments_of
       v = rotate_back(generic_q, [0.0_dp, 0.0_dp, 1.0_dp])
       g = [2*v(2)*v(3)*m(1), -2*v(1)*v(3)*m(2), -2*v(1)*v(2)*(m(1) - m(2))]
-      call check(error, maxval(abs(it%block%y(1, :) - g)) < 1e-15_dp, &
+      call expect(error, maxval(abs(it%block%y(1, :) - g)) < 1e-15_dp, &
          "force gradient of the heavy top")
    end subroutine test_top_gradient
 
@@ -132,8 +129,7 @@ contains
       q(:, :, 2) = states(5)
       select type (made)
       class is (pair_effect)
-         call check(error, made%bodies(), 5)
-         if (allocated(error)) return
+         call expect(error, made%bodies(), 5)
          g = 0
          call made%add_torques([1, 2], body, q, x, g)
          do k = 1, 2
@@ -150,15 +146,13 @@ contains
                   u = 0
                   call made%add_energies([1, 2], body, p, x, u)
                   down = sum(u)
-                  call check(error, abs(g(l, j, k) + (up - down)/(2*step)) &
+                  call expect(error, abs(g(l, j, k) + (up - down)/(2*step)) &
                      < 1e-9_dp*maxval(abs(g)), "torque")
-                  if (allocated(error)) return
                end do
             end do
          end do
-         call check(error, all(g(4:, :, 1) == 0) .and. all(g(3:, :, 2) == 0), &
+         call expect(error, all(g(4:, :, 1) == 0) .and. all(g(3:, :, 2) == 0), &
             "padding feels a torque")
-         if (allocated(error)) return
          p(:, :, 1) = states(6)
          p(:, :, 2) = states(7)
          delta = p(:, 1:3, :)
@@ -174,7 +168,7 @@ contains
             p(:, :, k) = each_moved(q(:, :, k), -step*delta(:, :, k))
          end do
          call made%add_torques([1, 2], body, p, x, low)
-         call check(error, maxval(abs(dg - &
+         call expect(error, maxval(abs(dg - &
                     (high - low)/(2*step))) < 1e-9_dp*maxval(abs(dg)), "derivative")
       class default
          call test_failed(error, "dipoles are not a pair effect")
@@ -230,7 +224,7 @@ contains
          call made%add_torques([1, 1], body, q, x, g)
          call made%add_torques([1, 1], body2, q2, x, g2)
       end select
-      call check(error, all(g2(11:12, :, 2) == g(2:1:-1, :, 1)) .and. &
+      call expect(error, all(g2(11:12, :, 2) == g(2:1:-1, :, 1)) .and. &
                  all(g2(20, :, 1) == g(3, :, 1)) .and. any(g(3, :, 1) /= 0), "bits of dipoles")
    end subroutine test_dipole_blocks
 
@@ -248,14 +242,13 @@ contains
       call torque_at(top, states(8), 0.0_dp, h)
       call energy_of(gravity, states(8), 0.0_dp, u)
       call energy_of(top, states(8), 0.0_dp, v)
-      call check(error, maxval(abs(g - h)) < 1e-15_dp .and. maxval(abs(u - v)) < 1e-15_dp, &
+      call expect(error, maxval(abs(g - h)) < 1e-15_dp .and. maxval(abs(u - v)) < 1e-15_dp, &
          "not the top")
-      if (allocated(error)) return
       one = 0
       do i = 1, 3
          one(i, i) = 1
       end do
-      call check(error, maxval(abs(torque_of_gradient(one, &
+      call expect(error, maxval(abs(torque_of_gradient(one, &
                  reshape([0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], &
                  [3, 3])) - [0.0_dp, 0.0_dp, -1.0_dp])) <= 0, "signs")
    end subroutine test_callback
@@ -283,13 +276,11 @@ contains
          y = 1
          y(j) = 0
          call set_up(it, moments, "exact", "omelyan4", effects)
-         call check(error, it%good, it%message)
-         if (allocated(error)) return
+         call expect(error, it%good, it%message)
          call place(it, y, generic_q)
          call it%block%kick(0.3_dp, 0.1_dp, 0.1_dp)
-         call check(error, all(it%block%y(:, j) == 0) .and. all(abs(it%block%y(1, :) - y) &
+         call expect(error, all(it%block%y(:, j) == 0) .and. all(abs(it%block%y(1, :) - y) &
             > 0 .or. y == 0), "kick")
-         if (allocated(error)) return
       end do
    end subroutine test_frozen_axis
 
@@ -306,7 +297,7 @@ contains
       class is (torque_effect)
          call made%add_torque(class, 0.0_dp, states(9), g)
       end select
-      call check(error, all(g == 0), "a sphere is turned by a gravity gradient")
+      call expect(error, all(g == 0), "a sphere is turned by a gravity gradient")
    end subroutine test_sphere
 
    !> One of each torque, generic, moving ones too.

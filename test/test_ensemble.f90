@@ -1,7 +1,7 @@
 !> Room ensemble: layouts, kicks, energies, the plan's refusals, callbacks. Bits stand in
 !> test_ensemble_bits.
 module test_ensemble
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_domain, &
@@ -26,6 +26,7 @@ module test_ensemble
       same_bits, turned_tensor
    use test_ensemble_bits, only: collect_bits
    use test_ensemble_every, only: collect_every
+   use test_expectation, only: expect
    implicit none(type, external)
    private
    public :: collect_ensemble
@@ -134,20 +135,18 @@ contains
          view%body_class => null()
          call point_class(it, view)
          call body_momenta(plan, view, l, status, problem)
-         call check(error, status, poinsot_ok, "momenta: "//momentum_names(variable))
-         if (allocated(error)) return
+         call expect(error, status, poinsot_ok, "momenta: "//momentum_names(variable))
          call body_energies(plan, view, 0.0_dp, kinetic, potential, status, problem)
          do i = 1, it%n
             associate (inverse => plan%classes(it%class(i))%inverse)
                expected = 0.5_dp*sum(it%y(:, i)**2*inverse)
-               call check(error, maxval(abs(l(:, i) - &
+               call expect(error, maxval(abs(l(:, i) - &
                           rotate(it%q(:, i), it%y(:, i)))) < tight .and. abs(kinetic(i) - &
                           expected) < 2*tight*(1 + expected), "wrong: "// momentum_names(variable))
             end associate
             if (allocated(error)) return
          end do
-         call check(error, same_bits(p, before), "asking must not change anything")
-         if (allocated(error)) return
+         call expect(error, same_bits(p, before), "asking must not change anything")
       end do
    end subroutine test_variables
 
@@ -184,19 +183,15 @@ contains
          call view_rows(p, q, view)
          call point_class(it, view)
          call drift_bodies(plan, view, h, status, problem)
-         call check(error, status, poinsot_ok, "drift: "//momentum_names(variable))
-         if (allocated(error)) return
+         call expect(error, status, poinsot_ok, "drift: "//momentum_names(variable))
          i = merge(4, 3, variable == 5)
-         call check(error, maxval(abs(p(1:i, :) - pm(1:i, :))) < 2*tight .and. &
+         call expect(error, maxval(abs(p(1:i, :) - pm(1:i, :))) < 2*tight .and. &
                     maxval(abs(q - qm)) < tight, "moved otherwise: "//momentum_names(variable))
-         if (allocated(error)) return
-         if (variable == 2) call check(error, same_bits(p, p0), &
+         if (variable == 2) call expect(error, same_bits(p, p0), &
             "free motion must leave space momenta, to the bit")
-         if (allocated(error)) return
          call drift_bodies(plan, view, -h, status, problem)
-         call check(error, maxval(abs(p(1:i, :) - p0(1:i, :))) < 2*tight .and. &
+         call expect(error, maxval(abs(p(1:i, :) - p0(1:i, :))) < 2*tight .and. &
                     maxval(abs(q - q0)) < tight, "did not come back: "//momentum_names(variable))
-         if (allocated(error)) return
       end do
    end subroutine test_alike
 
@@ -222,17 +217,15 @@ contains
       call view_rows(y, q, view)
       view%body_class => classes
       call body_energies(plan, view, 0.0_dp, kinetic, potential, status, problem)
-      call check(error, kinetic(1), 0.5_dp*dot_product(omega, y(:, 1)), &
+      call expect(error, kinetic(1), 0.5_dp*dot_product(omega, y(:, 1)), &
                  "T = omega.J omega/2", thr=tight)
-      if (allocated(error)) return
       before = to_matrix(q(:, 1))
       call drift_bodies(plan, view, h, status, problem)
       rate = matmul(transpose(before), (to_matrix(q(:, 1)) - before)/h)
-      call check(error, maxval(abs([rate(3, 2), rate(1, 3), rate(2, 1)] - omega)) < 1e-4_dp, &
+      call expect(error, maxval(abs([rate(3, 2), rate(1, 3), rate(2, 1)] - omega)) < 1e-4_dp, &
          "turns with J^-1 L")
-      if (allocated(error)) return
       call drift_bodies(plan, view, 3.0_dp, status, problem)
-      call check(error, maxval(abs(rotate(q(:, 1), y(:, 1)) - l)) < tight, "L in space is kept")
+      call expect(error, maxval(abs(rotate(q(:, 1), y(:, 1)) - l)) < tight, "L in space is kept")
    end subroutine test_tensor
 
    !> Component arrays and rows give the same bits.
@@ -254,7 +247,7 @@ contains
       call view_columns(y, q, view)
       call point_class(it, view)
       call drift_bodies(plan, view, 0.2_dp, status, problem)
-      call check(error, same_bits(transpose(y), it%y) &
+      call expect(error, same_bits(transpose(y), it%y) &
          .and. same_bits(transpose(q), it%q), "columns differ from rows")
    end subroutine test_columns
 
@@ -286,16 +279,15 @@ contains
             call view_rows(p, q, view)
             call point_class(it, view)
             call kick_bodies(plan, view, h, torque, status, problem)
-            call check(error, status, poinsot_ok, "kick: "//momentum_names(variable))
-            if (allocated(error)) return
+            call expect(error, status, poinsot_ok, "kick: "//momentum_names(variable))
             call body_momenta(plan, view, l, status, problem)
             do j = 1, it%n
                expected = rotate(it%q(:, j), it%y(:, j)) + h*push
                axis = rotate(it%q(:, j), [0.0_dp, 0.0_dp, 1.0_dp])
                if (it%class(j) == 8) expected = expected - dot_product(expected, axis)*axis
-               call check(error, maxval(abs(l(:, j) - expected)) < 2*tight, "kicked otherwise: "// &
+               call expect(error, maxval(abs(l(:, j) - expected)) < 2*tight, &
+                  "kicked otherwise: "// &
                   momentum_names(variable))
-               if (allocated(error)) return
             end do
          end do
       end do
@@ -336,9 +328,8 @@ contains
       end do
       call view_rows(y, q, view)
       call kick_bodies(plan, view, 0.125_dp, torque, status, problem)
-      call check(error, same_bits(y, y0 + 0.125_dp*g), "a kick must add h torque, and no more")
-      if (allocated(error)) return
-      call check(error, same_bits(q, q0), "a kick must leave attitudes alone")
+      call expect(error, same_bits(y, y0 + 0.125_dp*g), "a kick must add h torque, and no more")
+      call expect(error, same_bits(q, q0), "a kick must leave attitudes alone")
    end subroutine test_kick_adds
 
    !> A plan as it is created.
@@ -371,13 +362,12 @@ contains
          view%body_class => classes
          do k = 1, 20
             call drift_bodies(plan, view, 0.1_dp, status, problem)
-            call check(error, status, poinsot_ok, method_name(m)//": a linear body failed")
-            if (allocated(error)) return
+            call expect(error, status, poinsot_ok, method_name(m)//": a linear body failed")
          end do
          do axis = 1, 3
-            call check(error, abs(y(axis, axis)) <= 0 .and. abs(norm2(y(:, axis)) - norm2([0.5_dp, &
+            call expect(error, abs(y(axis, axis)) <= 0 .and. &
+               abs(norm2(y(:, axis)) - norm2([0.5_dp, &
                        0.6_dp])) < 1e-5_dp, method_name(m)//": momentum of a linear body")
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_linear
@@ -402,19 +392,16 @@ contains
       view%status => status
       it%q(:, 7) = 0
       call body_energies(plan, view, 0.0_dp, kinetic, potential, answer, problem)
-      call check(error, answer, poinsot_e_partial, "one body is none")
-      if (allocated(error)) return
-      call check(error, status(7) == poinsot_e_not_unit .and. count(status /= 0) == 1 &
+      call expect(error, answer, poinsot_e_partial, "one body is none")
+      call expect(error, status(7) == poinsot_e_not_unit .and. count(status /= 0) == 1 &
          .and. abs(kinetic(7)) <= 0, "its status")
-      if (allocated(error)) return
       do i = 1, it%n
          if (i == 7) cycle
          q = it%q(:, i)
-         call check(error, potential(i), merge(2*(q(1)**2 - q(2)**2 - q(3)**2 + q(4)**2), 0.0_dp, &
+         call expect(error, potential(i), merge(2*(q(1)**2 - q(2)**2 - q(3)**2 + q(4)**2), 0.0_dp, &
                     it%class(i) == 3), "potential", thr=tight)
-         if (allocated(error)) return
       end do
-      call check(error, total_degrees_of_freedom(plan, view), 3*50 - count(it%class == 8), &
+      call expect(error, total_degrees_of_freedom(plan, view), 3*50 - count(it%class == 8), &
          "degrees of freedom")
    end subroutine test_observe
 
@@ -460,9 +447,8 @@ contains
       q(:, 1) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
       call view_rows(y, q, view)
       call step_bodies(heavy, view, 0.0_dp, 0.01_dp, 0_i8, 1000_i8, status, problem)
-      call check(error, maxval(abs(q(:, 1) - [0.9257399890934638_dp, -0.3514906679727545_dp, &
+      call expect(error, maxval(abs(q(:, 1) - [0.9257399890934638_dp, -0.3514906679727545_dp, &
                  0.1021838760186523_dp, -0.0949644059798463_dp])) < 1e-10_dp, "published top")
-      if (allocated(error)) return
       do i = 0, 1
          call add_class(bare, moments, number, problem)
          call set_option(bare, "frame", merge("space", "body ", i == 1), problem)
@@ -474,11 +460,9 @@ contains
          q2(:, 1) = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
          call view_rows(y2, q2, view)
          call step_bodies(bare, view, 0.0_dp, 0.01_dp, 0_i8, 1000_i8, status, problem, host)
-         call check(error, status, poinsot_ok, "steps with a callback")
-         if (allocated(error)) return
-         call check(error, maxval(abs(y2 - y)) < 1e-11_dp &
+         call expect(error, status, poinsot_ok, "steps with a callback")
+         call expect(error, maxval(abs(y2 - y)) < 1e-11_dp &
             .and. maxval(abs(q2 - q)) < 1e-11_dp, "callback is not gravity")
-         if (allocated(error)) return
          call renew(bare)
       end do
    end subroutine test_callback
@@ -507,10 +491,10 @@ contains
       q2 = it%q
       call view_rows(y2, q2, view)
       call step_bodies(plan, view, 0.0_dp, 0.1_dp, 0_i8, 6_i8, status, problem, host)
-      call check(error, status == poinsot_e_callback &
+      call expect(error, status == poinsot_e_callback &
          .and. problem%code == poinsot_e_callback, "the callback stopped")
-      if (allocated(error)) return
-      call check(error, host%calls == host%last + 1 .and. same_bits(y, y2) .and. same_bits(q, q2), &
+      call expect(error, host%calls == host%last + 1 .and. same_bits(y, y2) .and. &
+         same_bits(q, q2), &
                  "the state must be that of before the step")
    end subroutine test_stop
 
@@ -532,34 +516,30 @@ contains
       do number = 1, size(bad, 2)
          call clear(problem)
          call set_option(plan, trim(bad(1, number)), trim(bad(2, number)), problem)
-         call check(error, problem%code == merge(poinsot_e_domain, poinsot_e_method, number == 6), &
+         call expect(error, problem%code == merge(poinsot_e_domain, poinsot_e_method, &
+            number == 6), &
             "accepted: "//bad(2, number))
-         if (allocated(error)) return
       end do
       call clear(problem)
       call make_ready(plan, problem)
-      call check(error, problem%code, poinsot_e_size, "a plan without class")
-      if (allocated(error)) return
+      call expect(error, problem%code, poinsot_e_size, "a plan without class")
       call clear(problem)
       call drift_bodies(plan, view, 0.1_dp, status, problem)
-      call check(error, status, poinsot_e_domain, "a plan that is not ready")
-      if (allocated(error)) return
+      call expect(error, status, poinsot_e_domain, "a plan that is not ready")
       call clear(problem)
       call add_class(plan, moments, number, problem)
       call set_option(plan, "layout", "hoomd", problem)
       call set_option(plan, "splitting", "chin4", problem)
       call make_ready(plan, problem)
       call drift_bodies(plan, view, 0.1_dp, status, problem)
-      call check(error, status, poinsot_e_size, "three components for a conjugate momentum")
-      if (allocated(error)) return
+      call expect(error, status, poinsot_e_size, "three components for a conjugate momentum")
       plan%momentum = 1
       call clear(problem)
       call step_bodies(plan, view, 0.0_dp, 0.1_dp, 0_i8, 1_i8, status, problem, host)
-      call check(error, status, poinsot_e_method, "a callback has no force gradient")
-      if (allocated(error)) return
+      call expect(error, status, poinsot_e_method, "a callback has no force gradient")
       call clear(problem)
       call add_class(plan, moments, number, problem)
-      call check(error, problem%code, poinsot_e_domain, "a ready plan takes no class")
+      call expect(error, problem%code, poinsot_e_domain, "a ready plan takes no class")
    end subroutine test_refusals
 
    subroutine test_settings(error)
@@ -570,20 +550,19 @@ contains
          "a = 1..2", "a = 1; b", "a = 0, 0, 1e999", "a = -1e308", "a = nan"]
       integer :: i
       call read_settings("centre = 0, -1e-3 2;; frame='space' ; kind = slow;", s, problem)
-      call check(error, .not. raised(problem) .and. size(s) == 3, "three settings")
+      call expect(error, .not. raised(problem) .and. size(s) == 3, "three settings")
       if (allocated(error)) return
-      call check(error, s(1)%key == "centre" .and. s(2)%text == "space" .and. s(3)%text == "slow" &
+      call expect(error, s(1)%key == "centre" .and. s(2)%text == "space" .and. s(3)%text == "slow" &
                  .and. .not. allocated(s(3)%values), "keys and words")
       if (allocated(error)) return
-      call check(error, maxval(abs(s(1)%values - [0.0_dp, -1e-3_dp, 2.0_dp])) <= 0, "numbers")
-      if (allocated(error)) return
+      call expect(error, maxval(abs(s(1)%values - [0.0_dp, -1e-3_dp, 2.0_dp])) <= 0, "numbers")
       call read_settings("", s, problem)
-      call check(error, .not. raised(problem) .and. size(s) == 0, "nothing")
+      call expect(error, .not. raised(problem) .and. size(s) == 0, "nothing")
       do i = 1, size(bad)
          if (allocated(error)) return
          call clear(problem)
          call read_settings(trim(bad(i)), s, problem)
-         call check(error, problem%code, poinsot_e_domain, "accepted: "//bad(i))
+         call expect(error, problem%code, poinsot_e_domain, "accepted: "//bad(i))
       end do
    end subroutine test_settings
 
@@ -592,12 +571,10 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: i
       do i = 1, splitting_count()
-         call check(error, splitting_names(i), splitting_name(i), "splitting_names")
-         if (allocated(error)) return
+         call expect(error, splitting_names(i), splitting_name(i), "splitting_names")
       end do
       do i = 1, effect_count
-         call check(error, trim(effect_names(i)), effect_name(i), "effect_names")
-         if (allocated(error)) return
+         call expect(error, trim(effect_names(i)), effect_name(i), "effect_names")
       end do
    end subroutine test_names
 

@@ -1,7 +1,7 @@
 !> Room ensemble: a body's bits depend on nothing but the body, its class and the step.
 module test_ensemble_bits
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
-   use testdrive, only: unittest_type, new_unittest, error_type, check
+   use testdrive, only: unittest_type, new_unittest, error_type
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_step, &
@@ -15,6 +15,7 @@ module test_ensemble_bits
    use poinsot_free_method, only: method_count, method_name
    use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, &
       class_count, same_bits
+   use test_expectation, only: expect
    implicit none(type, external)
    private
    public :: collect_bits
@@ -71,7 +72,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(crowd), intent(in) :: a, b
       character(*), intent(in) :: what
-      call check(error, same_bits(a%y, b%y) .and. same_bits(a%q, b%q), what)
+      call expect(error, same_bits(a%y, b%y) .and. same_bits(a%q, b%q), what)
    end subroutine compare
 
    !> The same bits by one, two and three threads, for every method.
@@ -89,8 +90,7 @@ contains
             many = start
             call open(many, view)
             call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
-            call check(error, status, poinsot_ok, method_name(m)//": some failed")
-            if (allocated(error)) return
+            call expect(error, status, poinsot_ok, method_name(m)//": some failed")
             if (threads == 1) one = many
             call compare(error, one, many, method_name(m)//": bits depend on threads")
             if (allocated(error)) return
@@ -202,11 +202,9 @@ contains
          end do
          call compare(error, at_once, one_by_one, method_name(1 + m/2)//": ten at once")
          if (allocated(error)) return
-         call check(error, same_bits(carry(:, :, 1), carry(:, :, 2)), method_name(1 + m/2)// &
+         call expect(error, same_bits(carry(:, :, 1), carry(:, :, 2)), method_name(1 + m/2)// &
             ": carries of ten at once")
-         if (allocated(error)) return
-         call check(error, (maxval(abs(carry)) > 0) .eqv. compensated, "carries in use")
-         if (allocated(error)) return
+         call expect(error, (maxval(abs(carry)) > 0) .eqv. compensated, "carries in use")
       end do
    end subroutine test_steps
 
@@ -241,8 +239,7 @@ contains
       at_once = start
       call open(at_once, view)
       call step_bodies(plan, view, 0.5_dp, h, 0_i8, 5_i8, status, problem, host)
-      call check(error, status, poinsot_ok, "steps with a callback")
-      if (allocated(error)) return
+      call expect(error, status, poinsot_ok, "steps with a callback")
       call busy_plan("exact", 3, plan)
       one_by_one = start
       call open(one_by_one, view)
@@ -309,18 +306,15 @@ contains
       call open(ill, view)
       view%status => each
       call step_bodies(plan, view, 0.0_dp, h, 0_i8, 3_i8, status, problem)
-      call check(error, status, poinsot_e_partial, "some fail")
-      if (allocated(error)) return
+      call expect(error, status, poinsot_e_partial, "some fail")
       do i = 1, start%n
          if (any(failures == i)) then
-            call check(error, each(i), causes(findloc(failures, i, 1)), &
+            call expect(error, each(i), causes(findloc(failures, i, 1)), &
                "status of a body that fails")
-            if (allocated(error)) return
             call compare(error, taken(ill, [i]), taken(start, [i]), &
                "a body that fails keeps its state")
          else
-            call check(error, each(i), poinsot_ok, "status of a good body")
-            if (allocated(error)) return
+            call expect(error, each(i), poinsot_ok, "status of a good body")
             call compare(error, taken(ill, [i]), taken(healthy, [i]), "a neighbour noticed")
          end if
          if (allocated(error)) return
@@ -375,16 +369,14 @@ contains
       call with_effect(plan, "langevin", "friction = 1; temperature = 0.5")
       call set_option(plan, "seed", "12345678901234", problem)
       call make_ready(plan, problem)
-      call check(error, .not. raised(problem), "a plan with a thermostat")
-      if (allocated(error)) return
+      call expect(error, .not. raised(problem), "a plan with a thermostat")
       ids = [(int(i, i8)*1000003_i8, i=1, start%n)]
       reversed = [(i, i=start%n, 1, -1)]
       forward = start
       call open(forward, view)
       view%id => ids
       call step_bodies(plan, view, 0.0_dp, h, 0_i8, 3_i8, status, problem)
-      call check(error, status, poinsot_ok, "steps with a thermostat")
-      if (allocated(error)) return
+      call expect(error, status, poinsot_ok, "steps with a thermostat")
       ids = ids(reversed)
       back = taken(start, reversed)
       call open(back, view)
@@ -392,7 +384,7 @@ contains
       call step_bodies(plan, view, 0.0_dp, h, 0_i8, 3_i8, status, problem)
       call compare(error, back, taken(forward, reversed), "noise by id")
       if (allocated(error)) return
-      call check(error, .not. same_bits(forward%y, start%y), "there is noise")
+      call expect(error, .not. same_bits(forward%y, start%y), "there is noise")
    end subroutine test_ids
 
 end module test_ensemble_bits

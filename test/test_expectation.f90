@@ -8,6 +8,11 @@ module test_expectation
    private
    public :: within, expect, refused, accepted
 
+   !> A statement is true, or two numbers or texts are equal.
+   interface expect
+      module procedure expect_true, expect_integer, expect_success, expect_number, expect_text
+   end interface expect
+
 contains
 
    !> |value| is at most the bound (a NaN is not).
@@ -22,13 +27,45 @@ contains
    end subroutine within
 
    !> A statement is true.
-   subroutine expect(error, statement, what)
+   subroutine expect_true(error, statement, message)
       type(error_type), allocatable, intent(inout) :: error
       logical, intent(in) :: statement
-      character(*), intent(in) :: what
-      if (allocated(error)) return
-      call check(error, statement, what)
-   end subroutine expect
+      character(*), intent(in), optional :: message
+      if (.not. allocated(error)) call check(error, statement, message)
+   end subroutine expect_true
+
+   !> Two integers are equal.
+   subroutine expect_integer(error, actual, expected, message)
+      type(error_type), allocatable, intent(inout) :: error
+      integer, intent(in) :: actual, expected
+      character(*), intent(in), optional :: message
+      if (.not. allocated(error)) call check(error, actual, expected, message)
+   end subroutine expect_integer
+
+   !> A state of input or output is 0.
+   subroutine expect_success(error, state, message)
+      type(error_type), allocatable, intent(inout) :: error
+      integer, intent(in) :: state
+      character(*), intent(in) :: message
+      if (.not. allocated(error)) call check(error, state, message)
+   end subroutine expect_success
+
+   !> Two numbers are equal to within `thr`; by default, to a few roundings.
+   subroutine expect_number(error, actual, expected, message, thr)
+      type(error_type), allocatable, intent(inout) :: error
+      real(dp), intent(in) :: actual, expected
+      character(*), intent(in), optional :: message
+      real(dp), intent(in), optional :: thr
+      if (.not. allocated(error)) call check(error, actual, expected, message, thr=thr)
+   end subroutine expect_number
+
+   !> Two texts are equal.
+   subroutine expect_text(error, actual, expected, message)
+      type(error_type), allocatable, intent(inout) :: error
+      character(*), intent(in) :: actual, expected
+      character(*), intent(in), optional :: message
+      if (.not. allocated(error)) call check(error, actual, expected, message)
+   end subroutine expect_text
 
    !> A call was refused with this code and a message that holds these words; then forget the
    !> refusal.

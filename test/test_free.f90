@@ -1,12 +1,13 @@
 !> Room free, judged by data, by the quadruple-precision Taylor series and by the reference maps.
 module test_free
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method
    use poinsot_free_method, only: free_method, find_method
    use test_bodies, only: random_stream, start_stream, body_kinds, rate_bound, generic_moments, &
       random_quaternion
+   use test_expectation, only: expect
    use test_free_lanes, only: collect_free_lanes
    use test_free_state, only: collect_free_state
    use test_free_tools, only: method_names, method_orders, approximate_count, generic, start, &
@@ -61,21 +62,17 @@ contains
       integer :: i
       do i = 1, approximate_count
          call find_method(trim(method_names(i)), method, answer)
-         call check(error, .not. raised(answer), "unknown method "//method_names(i))
-         if (allocated(error)) return
-         call check(error, method%order, method_orders(i), "order of "//method_names(i))
-         if (allocated(error)) return
+         call expect(error, .not. raised(answer), "unknown method "//method_names(i))
+         call expect(error, method%order, method_orders(i), "order of "//method_names(i))
       end do
       call find_method("exact", method, answer)
-      call check(error, method%order, 0)
-      if (allocated(error)) return
+      call expect(error, method%order, 0)
       do i = 1, size(wrong)
          answer = poinsot_error()
          call find_method(trim(wrong(i)), method, answer)
-         call check(error, answer%code, poinsot_e_method, &
+         call expect(error, answer%code, poinsot_e_method, &
                     "should be refused: '"//trim(wrong(i))// "'")
-         if (allocated(error)) return
-         call check(error, allocated(answer%message), "refused without a message")
+         call expect(error, allocated(answer%message), "refused without a message")
          if (allocated(error)) return
       end do
    end subroutine test_registry
@@ -98,17 +95,15 @@ contains
             y = momentum
             q = [1, 0, 0, 0]
             call turn_body(method_names(i), generic, h(k), n, y, q, status)
-            call check(error, status, poinsot_ok, "status of "//method_names(i))
-            if (allocated(error)) return
+            call expect(error, status, poinsot_ok, "status of "//method_names(i))
             ey(k) = momentum_distance(real(y, qp), yt)
             eq(k) = attitude_distance(real(q, qp), qt)
          end do
          call measure_slope(h, ey, 1.0e-15_dp, slope(1), used(1))
          call measure_slope(h, eq, 1.0e-15_dp, slope(2), used(2))
-         call check(error, &
+         call expect(error, &
             maxval(abs(slope - method_orders(i))) < 0.05_dp + 0.03_dp*method_orders(i), &
             "slopes of "//trim(method_names(i))//": "//text(slope(1))//", "//text(slope(2)))
-         if (allocated(error)) return
       end do
    end subroutine test_orders
 
@@ -121,9 +116,8 @@ contains
       do i = 1, approximate_count
          do k = 1, size(body_kinds)
             call worst_of_map(method_names(i), body_kinds(k), 12, worst)
-            call check(error, worst < 5, trim(method_names(i))//" is "//text(worst)// " e-16 " // &
+            call expect(error, worst < 5, trim(method_names(i))//" is "//text(worst)// " e-16 " // &
                        "off its reference map on "// body_kinds(k))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_maps
@@ -148,18 +142,14 @@ contains
             most = max(most, defect)
          end do
          splits = i <= 2
-         call check(error, most(1) < 2.0e-14_dp, trim(method_names(i))//" loses Qy: "// &
+         call expect(error, most(1) < 2.0e-14_dp, trim(method_names(i))//" loses Qy: "// &
             text(most(1)))
-         if (allocated(error)) return
-         call check(error, most(2) < 2.0e-14_dp, trim(method_names(i))//" loses |y|: "// &
+         call expect(error, most(2) < 2.0e-14_dp, trim(method_names(i))//" loses |y|: "// &
             text(most(2)))
-         if (allocated(error)) return
-         call check(error, (most(3) < 2.0e-14_dp) .neqv. splits, trim(method_names(i))// &
+         call expect(error, (most(3) < 2.0e-14_dp) .neqv. splits, trim(method_names(i))// &
             " energy: "//text(most(3)))
-         if (allocated(error)) return
-         call check(error, most(4) < 2.0e-14_dp, trim(method_names(i))//" loses |q|: "// &
+         call expect(error, most(4) < 2.0e-14_dp, trim(method_names(i))//" loses |q|: "// &
             text(most(4)))
-         if (allocated(error)) return
       end do
    end subroutine test_invariants
 
@@ -193,17 +183,13 @@ contains
          map%name = names(i)
          call measure_properties(map, inverse_moments(generic), 0.6_qp, real(start, qp), &
             [0.1_qp, 0.7_qp, -0.5_qp, 0.5_qp], p)
-         call check(error, p%ok, trim(names(i))//" has no answer")
-         if (allocated(error)) return
-         call check(error, (p%poisson < small) .eqv. poisson(i), trim(names(i))//" Poisson: "// &
+         call expect(error, p%ok, trim(names(i))//" has no answer")
+         call expect(error, (p%poisson < small) .eqv. poisson(i), trim(names(i))//" Poisson: "// &
             text(p%poisson))
-         if (allocated(error)) return
-         call check(error, (p%symplectic < small) .eqv. symplectic(i), &
+         call expect(error, (p%symplectic < small) .eqv. symplectic(i), &
             trim(names(i))//" symplectic: "//text(p%symplectic))
-         if (allocated(error)) return
-         call check(error, max(p%symmetric, p%reversible, p%equivariant) < 5.0e-15_dp, &
+         call expect(error, max(p%symmetric, p%reversible, p%equivariant) < 5.0e-15_dp, &
             trim(names(i))//" reversal: "//text(max(p%symmetric, p%reversible, p%equivariant)))
-         if (allocated(error)) return
       end do
    end subroutine test_properties
 
@@ -237,14 +223,12 @@ contains
          y = motion%y
          q = [1, 0, 0, 0]
          call turn_body(names(k), motion%moments, motion%h, steps, y, q, status, physical=.false.)
-         call check(error, status, poinsot_ok, names(k)//" refuses: "//source)
-         if (allocated(error)) return
+         call expect(error, status, poinsot_ok, names(k)//" refuses: "//source)
          allowed = max(motion%digits, 1.0e-17_dp*steps)
          if (k == 1 .and. steps == 1) allowed = 1.0e-14_dp ! one long step of order 10
          gap = maxval(abs(y - motion%y_end))
          if (any(motion%q_end /= 0)) gap = max(gap, maxval(abs(q - motion%q_end)))
-         call check(error, gap < allowed, names(k)//" is "//text(gap)//" off: "//source)
-         if (allocated(error)) return
+         call expect(error, gap < allowed, names(k)//" is "//text(gap)//" off: "//source)
       end do
    end subroutine judge_published
 
@@ -261,15 +245,14 @@ contains
       integer :: k, line
       character(4) :: where_
       call read_free_rotation(cases)
-      call check(error, size(cases), 264)
+      call expect(error, size(cases), 264)
       if (allocated(error)) return
       do k = 1, size(kinds)
          call worst_of_kind(name, kinds(k), cases, worst_y, worst_q, line)
          write (where_, "(i4)") line
-         call check(error, max(worst_y, worst_q) <= allowed, &
+         call expect(error, max(worst_y, worst_q) <= allowed, &
                     trim(name)//" on "//trim(kinds(k))//": y "//text(worst_y)//", q "// &
                     text(worst_q)//" units of conditioning, line "//where_)
-         if (allocated(error)) return
       end do
    end subroutine judge_kinds
 
@@ -324,11 +307,9 @@ contains
          call turn_body("dmv16", cases(i)%moments, cases(i)%h/max(n, 1), max(n, 1), y, q, status)
          ey = units(momentum_distance(real(y, qp), cases(i)%y_end), cases(i)%cond_y)
          eq = units(attitude_distance(real(q, qp), cases(i)%turn), cases(i)%cond_r)
-         call check(error, status, poinsot_ok, "dmv16 fails on "//cases(i)%kind)
-         if (allocated(error)) return
-         call check(error, max(ey, eq) < 8 + 0.3_dp*n, "dmv16 on "//trim(cases(i)%kind)//": y "// &
+         call expect(error, status, poinsot_ok, "dmv16 fails on "//cases(i)%kind)
+         call expect(error, max(ey, eq) < 8 + 0.3_dp*n, "dmv16 on "//trim(cases(i)%kind)//": y "// &
             text(ey)//", q "//text(eq))
-         if (allocated(error)) return
       end do
    end subroutine test_data_dmv
 
@@ -356,10 +337,9 @@ contains
       integer :: k
       do k = 1, size(body_kinds)
          call worst_of_hard(name, body_kinds(k), reach, 25, worst_y, worst_q)
-         call check(error, max(worst_y, worst_q) < allowed, trim(name)//" on hard "// &
+         call expect(error, max(worst_y, worst_q) < allowed, trim(name)//" on hard "// &
             trim(body_kinds(k))//" bodies: y "// &
             text(worst_y)//", q "//text(worst_q)//" units of conditioning")
-         if (allocated(error)) return
       end do
    end subroutine judge_hard
 

@@ -3,7 +3,7 @@ module test_free_state
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
    use, intrinsic :: ieee_exceptions, only: ieee_get_flag, ieee_set_flag, ieee_invalid, &
       ieee_overflow, ieee_divide_by_zero, ieee_set_halting_mode, ieee_get_halting_mode
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, qp, lanes
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_step, &
@@ -12,6 +12,7 @@ module test_free_state
    use poinsot_free_method, only: free_method, advance
    use test_bodies, only: random_body, random_stream, start_stream, hard_body, &
       body_kinds, permute_body
+   use test_expectation, only: expect
    use test_free_tools, only: method_names, approximate_count, generic, start, start_q, turn_body, &
       prepare, rest_block, random_block, text
    use test_measure, only: attitude_distance, momentum_distance
@@ -62,11 +63,10 @@ contains
          qt = q
          call turn_body("symmetric-rotation", moments(:, k), -1.1_dp, 1, y, q, status)
          call taylor_flow(free_problem(moments(:, k)), -1.1_qp, yt, qt, report)
-         call check(error, momentum_distance(real(y, qp), yt) + attitude_distance(real(q, qp), &
+         call expect(error, momentum_distance(real(y, qp), yt) + attitude_distance(real(q, qp), &
             qt) < 2.0e-15_dp, &
             "not exact for two equal moments: "//text(momentum_distance(real(y, qp), yt))//", "// &
             text(attitude_distance(real(q, qp), qt)))
-         if (allocated(error)) return
       end do
    end subroutine test_symmetric
 
@@ -91,14 +91,11 @@ contains
             z = -body%y
             r = body%q
             call turn_body(method_names(i), body%moments, -body%h, 1, z, r, status(3))
-            call check(error, all(status(1:3) == poinsot_ok), "status of "//method_names(i))
-            if (allocated(error)) return
-            call check(error, gap < 3.0e-15_dp, &
+            call expect(error, all(status(1:3) == poinsot_ok), "status of "//method_names(i))
+            call expect(error, gap < 3.0e-15_dp, &
                        trim(method_names(i))//" does not come back: "// text(gap))
-            if (allocated(error)) return
-            call check(error, all(z == -y) .and. all(r == q), &
+            call expect(error, all(z == -y) .and. all(r == q), &
                trim(method_names(i))//": turning y and h together changes bits")
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_reversal
@@ -122,9 +119,8 @@ contains
             call turn_body(method_names(i), other%moments, 0.8_dp, 1, other%y, other%q, status)
             call permute_body(p(:, k), body)
             gap = momentum_distance(body%y, other%y) + attitude_distance(body%q, other%q)
-            call check(error, gap < 2.0e-15_dp, trim(method_names(i))// &
+            call expect(error, gap < 2.0e-15_dp, trim(method_names(i))// &
                " depends on the labels: "//text(gap))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_permutations
@@ -149,12 +145,10 @@ contains
                call turn_body(method_names(i), body%moments, body%h, 1, y, q, status(1))
                call turn_body(method_names(i), scale(body%moments, m), scale(body%h, -w), 1, &
                               z, r, status(2))
-               call check(error, status(1) == status(2), trim(method_names(i))// &
+               call expect(error, status(1) == status(2), trim(method_names(i))// &
                   ": status depends on the units")
-               if (allocated(error)) return
-               call check(error, all(z == scale(y, m + w)) .and. all(r == q), &
+               call expect(error, all(z == scale(y, m + w)) .and. all(r == q), &
                   trim(method_names(i))//": bits depend on the units")
-               if (allocated(error)) return
             end associate
          end do
       end do
@@ -193,9 +187,8 @@ contains
                z = y0(l, :)
                r = q0(l, :)
                call turn_body(method_names(i), generic, h, 1, z, r, alone, lane=1 + mod(7*l, lanes))
-               call check(error, all(z == y(l, :)) .and. all(r == q(l, :)), &
+               call expect(error, all(z == y(l, :)) .and. all(r == q(l, :)), &
                   trim(method_names(i))//": bits depend on the place or the neighbours")
-               if (allocated(error)) return
             end do
          end do
       end do
@@ -224,15 +217,12 @@ contains
          r(1:3, :) = q0(1:3, :)
          z(9, :) = 300*y0(9, :)
          call advance(method, class, 0.4_dp, z, r, other)
-         call check(error, all(z(1:3, :) == y(1:3, :)) .and. all(r(1:3, :) == q(1:3, :)), &
+         call expect(error, all(z(1:3, :) == y(1:3, :)) .and. all(r(1:3, :) == q(1:3, :)), &
             trim(method_names(i))//": bits depend on the padding")
-         if (allocated(error)) return
-         call check(error, all(z(10:, :) == 0) .and. all(r(10:, 1) == 1) .and. &
+         call expect(error, all(z(10:, :) == 0) .and. all(r(10:, 1) == 1) .and. &
                     all(r(10:, 2:) == 0), trim(method_names(i))//": a body at rest moves")
-         if (allocated(error)) return
-         call check(error, all(other(10:) == poinsot_ok), trim(method_names(i))// &
+         call expect(error, all(other(10:) == poinsot_ok), trim(method_names(i))// &
             ": a body at rest fails")
-         if (allocated(error)) return
       end do
    end subroutine test_padding
 
@@ -252,9 +242,8 @@ contains
             call turn_body(method_names(i), generic, -0.3_dp, 1, z, r, status, &
                            lane=1 + mod(3*k, lanes))
          end do
-         call check(error, all(y == z) .and. all(q == r), trim(method_names(i))// &
+         call expect(error, all(y == z) .and. all(q == r), trim(method_names(i))// &
             ": ten steps are not ten times one")
-         if (allocated(error)) return
       end do
    end subroutine test_steps
 
@@ -283,24 +272,20 @@ contains
             call turn_body(method_names(i), moments, 1.0_dp, 1, y, q, status)
             if (status == poinsot_ok) then
                gap = momentum_distance(real(y, qp), yt) + attitude_distance(real(q, qp), qt)
-               call check(error, ok .and. gap < 3.0e-14_dp, trim(method_names(i))// &
+               call expect(error, ok .and. gap < 3.0e-14_dp, trim(method_names(i))// &
                   " returns a wrong root, "//text(gap)//" off, h|omega| = "//text(turn))
-               if (allocated(error)) return
-               call check(error, turn < 1.6_dp, trim(method_names(i))//" accepts "//text(turn))
+               call expect(error, turn < 1.6_dp, trim(method_names(i))//" accepts "//text(turn))
             else
-               call check(error, all(abs(y - start*(turn/norm2(start/moments))) <= 0) .and. &
+               call expect(error, all(abs(y - start*(turn/norm2(start/moments))) <= 0) .and. &
                   all(abs(q - start_q) <= 0), trim(method_names(i))//" fails and moves")
-               if (allocated(error)) return
-               call check(error, status == poinsot_e_step .or. status == poinsot_e_convergence, &
+               call expect(error, status == poinsot_e_step .or. status == poinsot_e_convergence, &
                   trim(method_names(i))//" fails with another status")
-               if (allocated(error)) return
-               call check(error, turn > merge(0.9_dp, 1.3_dp, any(method_names(i) == ["dmv2  ", &
+               call expect(error, turn > merge(0.9_dp, 1.3_dp, any(method_names(i) == ["dmv2  ", &
                           "rattle"])), trim(method_names(i))//" refuses h|omega| = "//text(turn))
             end if
             if (allocated(error)) return
          end do
-         call check(error, status, poinsot_e_step, "a step far too long, "//method_names(i))
-         if (allocated(error)) return
+         call expect(error, status, poinsot_e_step, "a step far too long, "//method_names(i))
       end do
    end subroutine test_long_step
 
@@ -320,10 +305,9 @@ contains
       do k = 1, size(bad, 2)
          answer = poinsot_error()
          call make_class(bad(:, k), class, answer)
-         call check(error, answer%code, poinsot_e_domain, &
+         call expect(error, answer%code, poinsot_e_domain, &
                     "moments "//text(bad(1, k))//" "// text(bad(2, k))//" "// text(bad(3, k)))
-         if (allocated(error)) return
-         call check(error, allocated(answer%message), "refused without a message")
+         call expect(error, allocated(answer%message), "refused without a message")
          if (allocated(error)) return
       end do
    end subroutine test_bad_moments
@@ -346,22 +330,20 @@ contains
             call turn_body(method_names(i), generic, steps(k), 1, y, q, status)
             call quiet_end(halting, flags)
             kept = all(y == start) .and. all(q == start_q)
-            call check(error, .not. any(flags), trim(method_names(i))// &
+            call expect(error, .not. any(flags), trim(method_names(i))// &
                " raises an exception for h = "//text(steps(k)))
-            if (allocated(error)) return
             if (k == 1 .or. (abs(steps(k)) > 1 .and. i <= approximate_count)) then
-               call check(error, kept, trim(method_names(i))//" moves for h = "//text(steps(k)))
-               if (allocated(error)) return
+               call expect(error, kept, trim(method_names(i))//" moves for h = "//text(steps(k)))
             end if
             if (abs(steps(k)) > 1 .and. i <= approximate_count) then
-               call check(error, status, poinsot_e_step, trim(method_names(i))//" for h = "// &
+               call expect(error, status, poinsot_e_step, trim(method_names(i))//" for h = "// &
                   text(steps(k)))
             else if (abs(steps(k)) > 1) then
-               call check(error, abs(norm2(y)/norm2(start) - 1) < 1.0e-10_dp .and. &
+               call expect(error, abs(norm2(y)/norm2(start) - 1) < 1.0e-10_dp .and. &
                   abs(norm2(q) - 1) < 1.0e-10_dp, &
                   trim(method_names(i))//" loses the state for h = "//text(steps(k)))
             else
-               call check(error, status, poinsot_ok, trim(method_names(i))//" for h = "// &
+               call expect(error, status, poinsot_ok, trim(method_names(i))//" for h = "// &
                   text(steps(k)))
             end if
             if (allocated(error)) return
@@ -423,12 +405,10 @@ contains
             z(5::7, :) = y0(5::7, :)
             r(5::7, :) = q0(5::7, :)
             all_well(5::7) = poinsot_e_domain
-            call check(error, all(y == z) .and. all(q == r), trim(method_names(i))// &
+            call expect(error, all(y == z) .and. all(q == r), trim(method_names(i))// &
                " moves a frozen lane, or a neighbour")
-            if (allocated(error)) return
-            call check(error, all(status == all_well), trim(method_names(i))// &
+            call expect(error, all(status == all_well), trim(method_names(i))// &
                " changes the status of a frozen lane")
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_frozen
@@ -449,15 +429,12 @@ contains
             call quiet_begin(halting)
             call turn_body(method_names(i), body%moments, body%h, 1, body%y, body%q, status, lane=3)
             call quiet_end(halting, flags)
-            call check(error, .not. flags(1), &
+            call expect(error, .not. flags(1), &
                        trim(method_names(i))//" raises invalid on "// body%kind)
-            if (allocated(error)) return
-            call check(error, .not. flags(2), &
+            call expect(error, .not. flags(2), &
                        trim(method_names(i))//" raises overflow on "// body%kind)
-            if (allocated(error)) return
-            call check(error, .not. flags(3), &
+            call expect(error, .not. flags(3), &
                        trim(method_names(i))//" divides by zero on "// body%kind)
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_exceptions
@@ -491,11 +468,9 @@ contains
             end do
             rms = sqrt(sum((energies(y)/h0 - 1)**2)/lanes)
             norm = max(maxval(abs(norm2(q, 2) - 1)), maxval(abs(norm2(y, 2)/c0 - 1))/10)
-            call check(error, rms < merge(3.0e-14_dp, 1.0e-15_dp, k == 1), names(i)// &
+            call expect(error, rms < merge(3.0e-14_dp, 1.0e-15_dp, k == 1), names(i)// &
                " energy drifts: "//text(rms))
-            if (allocated(error)) return
-            call check(error, norm < 2.0e-15_dp, names(i)//" |q| or |y| drifts: "//text(norm))
-            if (allocated(error)) return
+            call expect(error, norm < 2.0e-15_dp, names(i)//" |q| or |y| drifts: "//text(norm))
          end do
       end do
    end subroutine test_drift

@@ -1,10 +1,11 @@
 !> The judges judged: the tests' own instruments against data and against each other, without the
 !> library.
 module test_oracle
-   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp, qp
    use test_bodies, only: random_body, random_stream, start_stream, hard_body, body_kinds, &
       rate_bound, uniform, log_uniform, permute_body
+   use test_expectation, only: expect
    use test_measure, only: measure_slope, attitude_distance, momentum_distance
    use test_oracle_data, only: free_case, read_free_rotation, top_case, read_top, dmv_term, &
       read_dmv_coefficients, published_3
@@ -47,12 +48,10 @@ contains
       integer :: i, used
       h = [(0.4_dp/3**i, i=1, 8)]
       call measure_slope(h, max(3*h**4, 1.0e-15_dp), 1.0e-15_dp, slope, used)
-      call check(error, slope, 4.0_dp, thr=1.0e-10_dp)
-      if (allocated(error)) return
-      call check(error, used >= 5 .and. used < 8, "the plateau was not dropped")
-      if (allocated(error)) return
+      call expect(error, slope, 4.0_dp, thr=1.0e-10_dp)
+      call expect(error, used >= 5 .and. used < 8, "the plateau was not dropped")
       call measure_slope(h, 3*h**4, 1.0e-4_dp, slope, used)
-      call check(error, slope == 0, "two points are no slope")
+      call expect(error, slope == 0, "two points are no slope")
    end subroutine test_slope
 
    !> The series against the data file, to quadruple precision.
@@ -64,7 +63,7 @@ contains
       real(dp) :: worst
       integer :: i, n
       call read_free_rotation(cases)
-      call check(error, size(cases), 264)
+      call expect(error, size(cases), 264)
       if (allocated(error)) return
       n = 0
       worst = 0
@@ -78,9 +77,8 @@ contains
          n = n + 1
          if (.not. report%finished) exit
       end do
-      call check(error, n > 60, "too few cases of moderate h")
-      if (allocated(error)) return
-      call check(error, worst < 1.0e-23_dp, "Taylor series and data file differ")
+      call expect(error, n > 60, "too few cases of moderate h")
+      call expect(error, worst < 1.0e-23_dp, "Taylor series and data file differ")
    end subroutine test_taylor_free
 
    !> The series against top.csv: the first row to all its digits, the others to the rounding of
@@ -93,7 +91,7 @@ contains
       real(dp) :: worst
       integer :: i
       call read_top(cases)
-      call check(error, size(cases) > 10, "top.csv has too few rows")
+      call expect(error, size(cases) > 10, "top.csv has too few rows")
       if (allocated(error)) return
       worst = 0
       do i = 1, size(cases), 4
@@ -104,7 +102,7 @@ contains
          worst = max(momentum_distance(y, cases(i)%y_end), attitude_distance(q, cases(i)%q_end))
          if (worst > merge(1.0e-24_dp, 3.0e-16_dp, i == 1)) exit
       end do
-      call check(error, i > size(cases), "Taylor series and top.csv differ")
+      call expect(error, i > size(cases), "Taylor series and top.csv differ")
    end subroutine test_taylor_top
 
    !> The published end state of the top, to its printed digits.
@@ -116,9 +114,8 @@ contains
       q = [1, 0, 0, 0]
       call taylor_flow(top_problem(published_3%moments, [0.0_dp, 0.0_dp, 1.0_dp], &
                        [0.0_dp, 0.0_dp, 1.0_dp]), real(published_3%t, qp), y, q, report)
-      call check(error, maxval(abs(y - published_3%y_end)) < published_3%digits, "momentum")
-      if (allocated(error)) return
-      call check(error, maxval(abs(q - published_3%q_end)) < published_3%digits, "attitude")
+      call expect(error, maxval(abs(y - published_3%y_end)) < published_3%digits, "momentum")
+      call expect(error, maxval(abs(q - published_3%q_end)) < published_3%digits, "attitude")
    end subroutine test_taylor_published
 
    !> Quadratic field and internal rotor: energy and k.Qy kept, two different runs agree.
@@ -134,9 +131,8 @@ contains
       y = momentum
       q = [0.5_qp, 0.5_qp, -0.5_qp, 0.5_qp]
       call taylor_verified(problem, -2.0_qp, y, q, report)
-      call check(error, report%difference < 1.0e-29_qp, "two runs differ")
-      if (allocated(error)) return
-      call check(error, max(report%energy, report%momentum, report%norm) < 1.0e-29_qp, &
+      call expect(error, report%difference < 1.0e-29_qp, "two runs differ")
+      call expect(error, max(report%energy, report%momentum, report%norm) < 1.0e-29_qp, &
          "an invariant is lost")
    end subroutine test_taylor_fields
 
@@ -154,12 +150,11 @@ contains
          call conditioning(cases(i)%moments, cases(i)%y, cases(i)%h, c(1), c(2), c(3), c(4))
          expected = [cases(i)%cond_y, cases(i)%cond_r, cases(i)%state_y, cases(i)%state_r]
          if (cases(i)%kind == "linear") c(1:2) = expected(1:2) ! there the two moments go together
-         call check(error, maxval(abs(log(c/expected))) < log(1.5_dp), "condition numbers of "// &
+         call expect(error, maxval(abs(log(c/expected))) < log(1.5_dp), "condition numbers of "// &
             cases(i)%kind)
-         if (allocated(error)) return
          n = n + 1
       end do
-      call check(error, n > 8, "too few cases")
+      call expect(error, n > 8, "too few cases")
    end subroutine test_conditioning
 
    !> Table 1 as printed equals the rational polynomials.
@@ -170,7 +165,7 @@ contains
       real(qp) :: i(3), c, h, s(3:7), t(3:7), rs(3:23), rt(3:23), worst
       integer :: j, k
       call read_dmv_coefficients(terms)
-      call check(error, size(terms), 1689)
+      call expect(error, size(terms), 1689)
       if (allocated(error)) return
       stream = start_stream(3)
       worst = 0
@@ -186,7 +181,7 @@ contains
             worst = max(worst, abs(s(k) - rs(k)), abs(t(k) - rt(k)))
          end do
       end do
-      call check(error, worst < 1.0e-30_qp, "Table 1 and the rational coefficients differ")
+      call expect(error, worst < 1.0e-30_qp, "Table 1 and the rational coefficients differ")
    end subroutine test_table
 
    !> The series to order 24 converges to the inverses that make Moser-Veselov the exact flow.
@@ -234,9 +229,8 @@ contains
             real(body%y, qp), one)
          call truncated_inverses(real(body%moments, qp), order, real(body%h, qp), &
                                  real(body%y, qp), other)
-         call check(error, maxval(abs(other/one - 1)) < 1.0e-26_qp, "they differ " // &
+         call expect(error, maxval(abs(other/one - 1)) < 1.0e-26_qp, "they differ " // &
                     "for "// trim(body%kind)//": "// text(real(maxval(abs(other/one - 1)), dp)))
-         if (allocated(error)) return
       end do
    end subroutine test_truncated
 
@@ -269,9 +263,8 @@ contains
          end do
          call measure_slope(h, ey, 1.0e-32_dp, slope(1), used(1))
          call measure_slope(h, eq, 1.0e-32_dp, slope(2), used(2))
-         call check(error, maxval(abs(slope - orders(i) - 1)) < 0.1_dp + 0.04_dp*orders(i), &
+         call expect(error, maxval(abs(slope - orders(i) - 1)) < 0.1_dp + 0.04_dp*orders(i), &
             "local order of "//trim(names(i))//": "//text(slope(1))//text(slope(2)))
-         if (allocated(error)) return
       end do
    end subroutine test_orders
 
@@ -292,8 +285,7 @@ contains
          call make_reference(names(i), moments, map)
          call measure_properties(map, map%inverse, 0.5_qp, real(momentum, qp), [0.1_qp, 0.7_qp, &
             -0.5_qp, 0.5_qp], p)
-         call check(error, p%ok, names(i)//" has no answer")
-         if (allocated(error)) return
+         call expect(error, p%ok, names(i)//" has no answer")
          call agrees(error, names(i), "Poisson", p%poisson, poisson(i))
          if (allocated(error)) return
          call agrees(error, names(i), "symplectic", p%symplectic, symplectic(i))
@@ -313,9 +305,9 @@ contains
       real(dp), intent(in) :: defect
       logical, intent(in) :: holds
       if (holds) then
-         call check(error, defect < 1.0e-18_dp, trim(name)//" should keep: "//property)
+         call expect(error, defect < 1.0e-18_dp, trim(name)//" should keep: "//property)
       else
-         call check(error, defect > 1.0e-9_dp, trim(name)//" should break: "//property)
+         call expect(error, defect > 1.0e-9_dp, trim(name)//" should break: "//property)
       end if
    end subroutine agrees
 
@@ -334,18 +326,16 @@ contains
          do j = 1, 30
             call hard_body(stream, body_kinds(k), 100.0_dp, body)
             associate (i => body%moments)
-               call check(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i), "unphysical "// &
+               call expect(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i), &
+                  "unphysical "// &
                   body_kinds(k))
-               if (allocated(error)) return
                thin = min(thin, minval(i)/maxval(i))
             end associate
-            call check(error, rate_bound(body%moments, body%y)*abs(body%h) < 101, "step of "// &
+            call expect(error, rate_bound(body%moments, body%y)*abs(body%h) < 101, "step of "// &
                body_kinds(k))
-            if (allocated(error)) return
          end do
       end do
-      call check(error, thin < 1.0e-7_dp, "no thin body")
-      if (allocated(error)) return
+      call expect(error, thin < 1.0e-7_dp, "no thin body")
       call hard_body(stream, "generic", 1.0_dp, body)
       other = body
       call permute_body([3, 2, 1], other)
@@ -355,11 +345,10 @@ contains
       r = other%q
       call taylor_flow(free_problem(body%moments), real(body%h, qp), y, q, report)
       call taylor_flow(free_problem(other%moments), real(body%h, qp), z, r, report)
-      call check(error, maxval(abs(z + y([3, 2, 1]))) + maxval(abs(r(2:4) + &
+      call expect(error, maxval(abs(z + y([3, 2, 1]))) + maxval(abs(r(2:4) + &
                  q([4, 3, 2]))) < 1.0e-30_qp, "an odd relabelling is not a mirror image")
-      if (allocated(error)) return
       thin = log_uniform(stream, 2.0_dp, 3.0_dp)
-      call check(error, thin > 100 .and. thin < 1000, "log_uniform")
+      call expect(error, thin > 100 .and. thin < 1000, "log_uniform")
    end subroutine test_random
 
    !> A number for a message.

@@ -1,6 +1,6 @@
 !> Pictures of a run: which a scene has, what stays constant in it, and texts that reach gnuplot.
 module test_pictures
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_scene_build, only: build_scene
@@ -11,6 +11,7 @@ module test_pictures
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_source, only: scene_source
    use poinsot_scene_text, only: joined
+   use test_expectation, only: expect
    implicit none(type, external)
    private
    public :: collect_pictures
@@ -54,11 +55,10 @@ contains
       integer :: i
       do i = 1, size(texts)
          call make(top // "&output every=0.5 pictures='" // trim(texts(i)) // "' /", scene, failure)
-         call check(error,.not. raised(failure), trim(texts(i)) // ": refused")
-         if (allocated(error)) return
+         call expect(error, .not. raised(failure), trim(texts(i)) // ": refused")
          call picture_names(scene, found)
-         call check(error, joined(found) == trim(names(i)), trim(texts(i)) // ": " // joined(found))
-         if (allocated(error)) return
+         call expect(error, joined(found) == trim(names(i)), &
+            trim(texts(i)) // ": " // joined(found))
       end do
    end subroutine several_kinds
 
@@ -71,10 +71,8 @@ contains
       integer :: i
       do i = 1, size(texts)
          call make(top // "&output every=0.5 pictures='" // trim(texts(i)) // "' /", scene, failure)
-         call check(error, raised(failure), "taken: " // trim(texts(i)))
-         if (allocated(error)) return
-         call check(error, index(failure%message, "test.nml:3") > 0, failure%message)
-         if (allocated(error)) return
+         call expect(error, raised(failure), "taken: " // trim(texts(i)))
+         call expect(error, index(failure%message, "test.nml:3") > 0, failure%message)
       end do
    end subroutine kinds_refused
 
@@ -95,13 +93,10 @@ contains
       do i = 1, size(names)
          call read_source("scenes/" // trim(names(i)) // ".nml", source, failure)
          if (.not. raised(failure)) call build_scene(source, scene, failure)
-         call check(error,.not. raised(failure), names(i))
-         if (allocated(error)) return
+         call expect(error, .not. raised(failure), names(i))
          call scene_integrals(scene, list)
-         call check(error, list%words, trim(kept(i)), names(i))
-         if (allocated(error)) return
-         if (names(i) == "rotating-field") call check(error, abs(list%spin(3) - 0.5_dp) <= 0, "W")
-         if (allocated(error)) return
+         call expect(error, list%words, trim(kept(i)), names(i))
+         if (names(i) == "rotating-field") call expect(error, abs(list%spin(3) - 0.5_dp) <= 0, "W")
       end do
    end subroutine shipped_integrals
 
@@ -128,22 +123,18 @@ contains
       integer :: i
       do i = 1, size(texts)
          call make(top // trim(texts(i)), scene, failure)
-         call check(error,.not. raised(failure), trim(texts(i)) // " refused")
-         if (allocated(error)) return
+         call expect(error, .not. raised(failure), trim(texts(i)) // " refused")
          call scene_integrals(scene, list)
-         call check(error, list%words, trim(kept(i)), trim(texts(i)))
-         if (allocated(error)) return
+         call expect(error, list%words, trim(kept(i)), trim(texts(i)))
          if (i /= 2) cycle
-         call check(error, abs(list%pull - 2) + abs(list%first(2) - 0.8_dp) < 1e-14_dp, "pull")
-         if (allocated(error)) return
+         call expect(error, abs(list%pull - 2) + abs(list%first(2) - 0.8_dp) < 1e-14_dp, "pull")
       end do
    end subroutine top_integrals
 
    subroutine gnuplot_texts(error)
       type(error_type), allocatable, intent(out) :: error
-      call check(error, quoted_text("it's `x` $(y) ""z"" <&"), "'it''s `x` $(y) ""z"" <&'")
-      if (allocated(error)) return
-      call check(error, quoted_text("a" // nl // "b" // achar(127)), "'a?b?'")
+      call expect(error, quoted_text("it's `x` $(y) ""z"" <&"), "'it''s `x` $(y) ""z"" <&'")
+      call expect(error, quoted_text("a" // nl // "b" // achar(127)), "'a?b?'")
    end subroutine gnuplot_texts
 
 end module test_pictures

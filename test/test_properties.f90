@@ -1,7 +1,7 @@
 !> `poinsot properties` and `poinsot hard`: their maps, dual numbers and judges against the oracles
 !> of the tests, and what their tables must say.
 module test_properties
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_free_method, only: method_count
@@ -17,6 +17,7 @@ module test_properties
    use poinsot_study_properties, only: method_properties, measure_method, holds
    use poinsot_study_taylor, only: judge_flow => taylor_flow, judge_conditioning => conditioning
    use test_bodies, only: random_body, random_stream, start_stream, hard_body, body_kinds
+   use test_expectation, only: expect
    use test_free_tools, only: text, generic, start, start_q
    use test_measure, only: attitude_distance, momentum_distance
    use test_oracle_dmv, only: reference_map, make_reference
@@ -65,9 +66,8 @@ contains
             call make_reference(names(i), body%moments, map)
             call map%apply(real(body%h, qp), z, r, fine)
             gap = momentum_distance(y, z) + attitude_distance(q, r)
-            call check(error, ok .and. fine .and. gap < 1.0e-28_dp, trim(names(i))//" on "// &
+            call expect(error, ok .and. fine .and. gap < 1.0e-28_dp, trim(names(i))//" on "// &
                trim(body_kinds(k))//": "//text(gap))
-            if (allocated(error)) return
          end do
       end do
    end subroutine test_maps
@@ -87,14 +87,12 @@ contains
          call make_reference(names(i), generic, map)
          call measure_oracle(map, map%inverse, 0.5_qp, real(start, qp), &
             start_q/sqrt(sum(real(start_q, qp)**2)), other)
-         call check(error, abs(found%poisson - other%poisson) < 1.0e-17_dp &
+         call expect(error, abs(found%poisson - other%poisson) < 1.0e-17_dp &
             + 1.0e-12_dp*found%poisson, &
             trim(names(i))//" Poisson: "//text(found%poisson)//", "//text(other%poisson))
-         if (allocated(error)) return
-         call check(error, abs(found%symplectic - other%symplectic) < &
+         call expect(error, abs(found%symplectic - other%symplectic) < &
                     1.0e-17_dp + 1.0e-12_dp*found%symplectic, trim(names(i))// &
                     " symplectic: "//text(found%symplectic)//", "//text(other%symplectic))
-         if (allocated(error)) return
       end do
    end subroutine test_derivatives
 
@@ -119,22 +117,17 @@ contains
       integer :: i
       do i = 1, size(names)
          call measure_method(trim(names(i)), row, answer)
-         call check(error, .not. raised(answer), "refused: "//trim(names(i)))
-         if (allocated(error)) return
+         call expect(error, .not. raised(answer), "refused: "//trim(names(i)))
          said = [holds(row%map%energy), holds(row%map%poisson), holds(row%map%symplectic), &
             holds(row%linear), holds(row%symmetric_body)]
-         call check(error, all(said == expected(:, i)), &
+         call expect(error, all(said == expected(:, i)), &
                     "ticks of "//trim(names(i))//": "//said(1)//said(2)// said(3)//said(4)//said(5))
-         if (allocated(error)) return
-         call check(error, max(row%map%space, row%map%casimir, row%map%norm, row%map%symmetric, &
+         call expect(error, max(row%map%space, row%map%casimir, row%map%norm, row%map%symmetric, &
             row%map%reversible) < 1.0e-31_dp, "what all of them keep: "//trim(names(i)))
-         if (allocated(error)) return
-         call check(error, row%distance < 5, &
+         call expect(error, row%distance < 5, &
             trim(names(i))//" is not its map: "//text(row%distance))
-         if (allocated(error)) return
-         call check(error, maxval(abs(row%slope - row%order)) < 0.1_dp + 0.03_dp*row%order, &
+         call expect(error, maxval(abs(row%slope - row%order)) < 0.1_dp + 0.03_dp*row%order, &
             "slopes of "//trim(names(i)))
-         if (allocated(error)) return
       end do
    end subroutine test_table
 
@@ -158,14 +151,13 @@ contains
          if (allocated(error)) return
       end do
       call run_hard("srkn6", "", unit, problem)
-      call check(error, problem%code, 0, "a verdict on srkn6 is bad")
-      if (allocated(error)) return
+      call expect(error, problem%code, 0, "a verdict on srkn6 is bad")
       call run_hard("seperatrix", "", unit, problem)
-      call check(error, index(problem%message, "'separatrix'") > 0, "an unknown name is taken")
+      call expect(error, index(problem%message, "'separatrix'") > 0, "an unknown name is taken")
       close (unit)
       if (allocated(error)) return
       row%good = .false.
-      call check(error, verdict_words(row), "BROKEN")
+      call expect(error, verdict_words(row), "BROKEN")
    end subroutine test_promises
 
    subroutine judge_rows(error, rows, wanted)
@@ -173,10 +165,10 @@ contains
       type(hard_row), intent(in) :: rows(:)
       integer, intent(in) :: wanted
       integer :: i
-      call check(error, size(rows), wanted, "rows of a case")
+      call expect(error, size(rows), wanted, "rows of a case")
       do i = 1, size(rows)
          if (allocated(error)) return
-         call check(error, rows(i)%good, trim(rows(i)%case)//" by "//trim(rows(i)%who)//": "// &
+         call expect(error, rows(i)%good, trim(rows(i)%case)//" by "//trim(rows(i)%who)//": "// &
             text(rows(i)%figure)//" breaks the bound")
       end do
    end subroutine judge_rows
@@ -203,14 +195,12 @@ contains
          call taylor_flow(free_problem(body%moments), real(body%h, qp), z, r, report)
          call conditioning(body%moments, body%y, body%h, c(1), c(2), c(3), c(4))
          gap = momentum_distance(y, z) + attitude_distance(q, r)
-         call check(error, gap < 1.0e-28_dp*maxval(c), &
+         call expect(error, gap < 1.0e-28_dp*maxval(c), &
             "judge on "//trim(body_kinds(k))//": "//text(gap))
-         if (allocated(error)) return
          call judge_conditioning(body%moments, body%y, body%h, .true., d(1), d(2))
          call judge_conditioning(body%moments, body%y, body%h, .false., d(3), d(4))
          if (body_kinds(k) == "middle" .or. body_kinds(k) == "separatrix") cycle
-         call check(error, maxval(abs(log(d/c))) < 0.1_dp, "condition numbers on "//body_kinds(k))
-         if (allocated(error)) return
+         call expect(error, maxval(abs(log(d/c))) < 0.1_dp, "condition numbers on "//body_kinds(k))
       end do
    end subroutine test_judge
 
@@ -226,26 +216,22 @@ contains
          do number = 1, cases_of_kind
             call make_case(kind, number, one)
             associate (i => one%moments)
-               call check(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i) .and. &
+               call expect(error, maxval(i)*(1 - 1.0e-15_dp) <= sum(i) - maxval(i) .and. &
                           minval(i) >= 0, "no body: "//kind_names(kind))
             end associate
             if (allocated(error)) return
          end do
          if (kind_names(kind) == "long") cycle
          call judge_kind(kind, results)
-         call check(error, all(results%other == 0), "something fails on "//kind_names(kind))
-         if (allocated(error)) return
-         call check(error, all(results%part <= 1), "a method does not keep its order on "// &
+         call expect(error, all(results%other == 0), "something fails on "//kind_names(kind))
+         call expect(error, all(results%part <= 1), "a method does not keep its order on "// &
             kind_names(kind))
-         if (allocated(error)) return
-         call check(error, all(results(1:2, :)%answered == cases_of_kind), &
+         call expect(error, all(results(1:2, :)%answered == cases_of_kind), &
             "refused on "//kind_names(kind))
-         if (allocated(error)) return
-         call check(error, max(results(1, 1)%y, results(1, 1)%q, &
+         call expect(error, max(results(1, 1)%y, results(1, 1)%q, &
                     results(2, 1)%y, results(2, 1)%q) < 5, &
                     "units on "//trim(kind_names(kind))//": exact "//text(max(results(1, 1)%y, &
                     results(1, 1)%q))// ", jacobi "//text(max(results(2, 1)%y, results(2, 1)%q)))
-         if (allocated(error)) return
       end do
    end subroutine test_hard
 

@@ -1,7 +1,7 @@
 !> RATTLE in the matrices (P, Q): equation (11) line by line, the change of variables, agreement
 !> with dmv2 in the Strang splitting, symplecticity with a potential.
 module test_rattle
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, qp, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step
@@ -10,6 +10,7 @@ module test_rattle
    use poinsot_free_rattle, only: rattle_start, rattle_finish, second_moments, to_matrices, &
       from_matrices, body_momentum
    use test_bodies, only: random_stream, start_stream
+   use test_expectation, only: expect
    use test_free_tools, only: generic, start, start_q, random_block, text, rest_block
    use test_oracle_algebra, only: cross
    use test_oracle_properties, only: plain_map, property_report, measure_properties
@@ -79,17 +80,14 @@ contains
          end do
          gap = maxval(abs(cshift(d, 1) + cshift(d, 2) - bodies(:, k))/max(bodies(:, k), &
             tiny(1.0_dp)))
-         call check(error, gap < 3.0e-16_dp, "moments from d: "//text(gap))
-         if (allocated(error)) return
+         call expect(error, gap < 3.0e-16_dp, "moments from d: "//text(gap))
          call to_matrices(class, y, q, p, m)
          call from_matrices(p, m, z, r)
          gap = maxval(abs(z - y)) + maxval(abs(r - q))
-         call check(error, gap < 3.0e-15_dp, "the way back: "//text(gap))
-         if (allocated(error)) return
+         call expect(error, gap < 3.0e-15_dp, "the way back: "//text(gap))
          if (bodies(2, k) < 1.0e-6_dp) then
             gap = maxval(abs(z(:, 2)/y(:, 2) - 1)*bodies(2, k))
-            call check(error, gap < 1.0e-15_dp, "a thin body's own momentum: "//text(gap))
-            if (allocated(error)) return
+            call expect(error, gap < 1.0e-15_dp, "a thin body's own momentum: "//text(gap))
          end if
          do l = 1, lanes
             w = class%inverse*y(l, :)
@@ -98,15 +96,13 @@ contains
             do i = 1, 3
                gap = max(gap, maxval(abs(x(:, i) - d(i)*cross(w, unit(i)))))
             end do
-            call check(error, gap < 2.0e-15_dp*norm2(w), "constraint: "//text(gap))
-            if (allocated(error)) return
+            call expect(error, gap < 2.0e-15_dp*norm2(w), "constraint: "//text(gap))
             xi = [0.3_dp, -0.8_dp, 0.5_dp]
             gap = -dot_product(y(l, :), xi)
             do i = 1, 3
                gap = gap + dot_product(p(l, :, i), matmul(m(l, :, :), cross(xi, unit(i))))
             end do
-            call check(error, abs(gap) < 2.0e-15_dp, "one-form: "//text(gap))
-            if (allocated(error)) return
+            call expect(error, abs(gap) < 2.0e-15_dp, "one-form: "//text(gap))
          end do
       end do
    end subroutine test_change
@@ -135,8 +131,7 @@ contains
          call torque_of(q1, g)
          p1 = half
          call rattle_finish(class, h, g, p1, q1, status)
-         call check(error, all(status == poinsot_ok), "status")
-         if (allocated(error)) return
+         call expect(error, all(status == poinsot_ok), "status")
          gap = 0
          do l = 1, lanes
             x = 2/h*(p0(l, :, :) - half(l, :, :)) - (a + b*q0(l, :, :))
@@ -159,10 +154,9 @@ contains
                gap(5) = max(gap(5), maxval(abs(x + transpose(x))))
             end if
          end do
-         call check(error, all(gap < 2.0e-14_dp), &
+         call expect(error, all(gap < 2.0e-14_dp), &
             "equation (11): "//text(gap(1))//" "//text(gap(2))//" "// &
             text(gap(3))//" "//text(gap(4))//" "//text(gap(5)))
-         if (allocated(error)) return
       end do
    end subroutine test_equation
 
@@ -207,14 +201,12 @@ contains
             y = y + 0.5_dp*h*g
          end do
          call body_momentum(p, m, z)
-         call check(error, all(status == poinsot_ok .and. other == poinsot_ok), "status")
-         if (allocated(error)) return
+         call expect(error, all(status == poinsot_ok .and. other == poinsot_ok), "status")
          gap = max(maxval(abs(z - y)), maxval(abs(m - mz)))
          do i = 1, 3
             if (bodies(i, k) > 0) gap = max(gap, maxval(abs(z(:, i) - y(:, i)))/bodies(i, k)*0.1_dp)
          end do
-         call check(error, gap < 3.0e-14_dp, "RATTLE and dmv2 differ: "//text(gap))
-         if (allocated(error)) return
+         call expect(error, gap < 3.0e-14_dp, "RATTLE and dmv2 differ: "//text(gap))
       end do
    end subroutine test_strang
 
@@ -236,9 +228,8 @@ contains
       map%delta = 1.0e-2_qp
       call measure_properties(map, 1/real(generic, qp), 0.3_qp, real(start, qp), &
          real(start_q, qp), r)
-      call check(error, r%ok .and. r%symplectic < 1.0e-10_dp, "symplectic: "//text(r%symplectic))
-      if (allocated(error)) return
-      call check(error, r%symmetric < 3.0e-15_dp, "symmetric: "//text(r%symmetric))
+      call expect(error, r%ok .and. r%symplectic < 1.0e-10_dp, "symplectic: "//text(r%symplectic))
+      call expect(error, r%symmetric < 3.0e-15_dp, "symmetric: "//text(r%symmetric))
    end subroutine test_symplectic
 
    subroutine apply_potential(self, h, y, q, ok)
@@ -293,16 +284,13 @@ contains
       other = poinsot_ok
       call rattle_start(class, 0.2_dp, g, pa, ma, other)
       call rattle_finish(class, 0.2_dp, g, pa, ma, other)
-      call check(error, other(9), poinsot_e_step)
-      if (allocated(error)) return
-      call check(error, count(other /= status), 1)
-      if (allocated(error)) return
-      call check(error, all(abs(pa(9, :, :) - p0(9, :, :)) <= 0) .and. &
+      call expect(error, other(9), poinsot_e_step)
+      call expect(error, count(other /= status), 1)
+      call expect(error, all(abs(pa(9, :, :) - p0(9, :, :)) <= 0) .and. &
          all(abs(ma(9, :, :) - m0(9, :, :)) <= 0), "the refused lane moves")
-      if (allocated(error)) return
       p(9, :, :) = pa(9, :, :)
       m(9, :, :) = ma(9, :, :)
-      call check(error, all(abs(pa - p) <= 0) .and. all(abs(ma - m) <= 0), "neighbours notice")
+      call expect(error, all(abs(pa - p) <= 0) .and. all(abs(ma - m) <= 0), "neighbours notice")
    end subroutine test_refusal
 
    !> Largest element of M - M^T.

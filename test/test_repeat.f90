@@ -1,6 +1,6 @@
 !> The published comparisons once more: what their tables say, never how long it took.
 module test_repeat
-   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_e_io
@@ -10,6 +10,7 @@ module test_repeat
    use poinsot_study_repeat_fasso, only: repeat_fasso
    use poinsot_study_repeat_hairer, only: repeat_hairer
    use poinsot_study_repeat_review, only: repeat_review
+   use test_expectation, only: expect
    implicit none(type, external)
    private
    public :: collect_repeat
@@ -45,17 +46,17 @@ contains
       if (.not. raised(failure)) call repeat_review(folder, failure)
       call read_table("review.csv", failure, found, error)
       if (allocated(error)) return
-      call check(error, found%rows == 10, "ten lines")
+      call expect(error, found%rows == 10, "ten lines")
       do i = 1, found%rows
          if (allocated(error)) return
          select case (found%word(1, i))
          case ("dmv10", "exact", "jacobi") ! the published digits are right to 1e-15
-            call check(error, maxval(found%number(10:11, i)) < 4e-15_dp, trim(found%word(1, i)))
+            call expect(error, maxval(found%number(10:11, i)) < 4e-15_dp, trim(found%word(1, i)))
          case ("dmv2", "midpoint", "three-rotations", "symmetric-rotation")
-            call check(error, minval(found%number(10:11, i)) > 1e-6_dp, &
+            call expect(error, minval(found%number(10:11, i)) > 1e-6_dp, &
                        trim(found%word(1, i)) // " is of order 2")
          case default
-            call check(error, maxval(found%number(10:11, i)) < 1e-7_dp, trim(found%word(1, i)))
+            call expect(error, maxval(found%number(10:11, i)) < 1e-7_dp, trim(found%word(1, i)))
          end select
       end do
    end subroutine review_end
@@ -76,8 +77,7 @@ contains
       if (allocated(error)) return
       do i = 1, found%rows
          if (found%word(2, i) /= "exact") cycle
-         call check(error, maxval(found%number(5:6, i)) < 1e-13_dp, "exact is exact")
-         if (allocated(error)) return
+         call expect(error, maxval(found%number(5:6, i)) < 1e-13_dp, "exact is exact")
       end do
       do body = 1, 2
          do m = 1, size(methods)
@@ -88,11 +88,9 @@ contains
                if (nint(found%number(3, i)) == 128) coarse = found%number(6, i)
                if (nint(found%number(3, i)) == 256) fine = found%number(6, i)
             end do
-            call check(error, coarse > 0 .and. fine > 0, trim(methods(m)) // " came through")
-            if (allocated(error)) return
-            call check(error, abs(log(coarse/fine)/log(2.0_dp) - orders(m)) < 0.15_dp, &
+            call expect(error, coarse > 0 .and. fine > 0, trim(methods(m)) // " came through")
+            call expect(error, abs(log(coarse/fine)/log(2.0_dp) - orders(m)) < 0.15_dp, &
                        "slope of " // trim(methods(m)))
-            if (allocated(error)) return
          end do
       end do
    end subroutine hairer_slopes
@@ -108,19 +106,15 @@ contains
       if (.not. raised(failure)) call repeat_fasso(folder, failure, cells=12)
       call read_table("fasso.csv", failure, found, error)
       if (allocated(error)) return
-      call check(error, found%rows == 144, "every body has a line")
-      if (allocated(error)) return
+      call expect(error, found%rows == 144, "every body has a line")
       do m = 6, 11
          span(m) = maxval(found%number(m, :))/minval(found%number(m, :))
       end do
-      call check(error, span(6) > 100, "three-rotations: two decades at least")
-      if (allocated(error)) return
-      call check(error, minval(found%number(7, :)) < 1e-13_dp .and. &
+      call expect(error, span(6) > 100, "three-rotations: two decades at least")
+      call expect(error, minval(found%number(7, :)) < 1e-13_dp .and. &
                  maxval(found%number(7, :)) > 1e-4_dp, "symmetric-rotation: exact where symmetric")
-      if (allocated(error)) return
-      call check(error, maxval(span(8:11)) < 5, "midpoint and dmv: hardly")
-      if (allocated(error)) return
-      call check(error, maxval(found%number(11, :)) < 1e-8_dp .and. &
+      call expect(error, maxval(span(8:11)) < 5, "midpoint and dmv: hardly")
+      call expect(error, maxval(found%number(11, :)) < 1e-8_dp .and. &
                  minval(found%number(9, :)) > 5e-3_dp, "dmv6 and dmv2 lie where they must")
    end subroutine fasso_span
 
@@ -139,24 +133,21 @@ contains
       exact = huge(exact)
       other = 0
       do i = 1, found%rows
-         call check(error, found%number(5, i) <= 1e-6_dp, "within the tolerance")
-         if (allocated(error)) return
+         call expect(error, found%number(5, i) <= 1e-6_dp, "within the tolerance")
          if (found%word(2, i) == "exact") exact = min(exact, found%number(4, i))
          if (found%word(2, i) == "dmv2") other = max(other, found%number(4, i))
       end do
-      call check(error, found%rows >= 2 .and. exact < huge(exact), "the exact rotor comes through")
-      if (allocated(error)) return
+      call expect(error, found%rows >= 2 .and. exact < huge(exact), "the exact rotor comes through")
       ! weak torques: the kicks could be far apart, and only order 2 of the turn forbids it
-      call check(error, exact > 3*other, "longer steps with the exact rotor")
+      call expect(error, exact > 3*other, "longer steps with the exact rotor")
    end subroutine celledoni_steps
 
    subroutine no_folder(error)
       type(error_type), allocatable, intent(out) :: error
       type(poinsot_error) :: failure
       call repeat_review("build/nowhere/at/all", failure)
-      call check(error, failure%code, poinsot_e_io)
-      if (allocated(error)) return
-      call check(error, index(failure%message, "build/nowhere/at/all/review.csv") > 0, &
+      call expect(error, failure%code, poinsot_e_io)
+      call expect(error, index(failure%message, "build/nowhere/at/all/review.csv") > 0, &
                  failure%message)
    end subroutine no_folder
 

@@ -1,6 +1,7 @@
 !> Room scene: reader, key tables, checks of values, schedule, files, restart, and whole runs.
 module test_scene
-   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed, skip_test
+   use testdrive, only: new_unittest, unittest_type, error_type, test_failed, skip_test
+   use test_expectation, only: expect
    use test_scene_files, only: collect_scene_files
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
@@ -117,14 +118,14 @@ contains
       do i = 1, size(values)
          text = text_of(values(i))
          read (text, *) back
-         call check(error, transfer(back, 0_i8) == transfer(values(i), 0_i8), &
+         call expect(error, transfer(back, 0_i8) == transfer(values(i), 0_i8), &
                     text_of(values(i)) // " does not read back")
-         if (allocated(error)) return
       end do
-      call check(error, text_of(0.1_dp), "0.1")
-      if (.not. allocated(error)) call check(error, text_of(-40.0_dp), "-40.0")
-      if (.not. allocated(error)) call check(error, text_of(1e-46_dp), "1e-46")
-      if (.not. allocated(error)) call check(error, text_of(huge(1.0_dp)), "1.7976931348623157e308")
+      call expect(error, text_of(0.1_dp), "0.1")
+      if (.not. allocated(error)) call expect(error, text_of(-40.0_dp), "-40.0")
+      if (.not. allocated(error)) call expect(error, text_of(1e-46_dp), "1e-46")
+      if (.not. allocated(error)) call expect(error, text_of(huge(1.0_dp)), &
+         "1.7976931348623157e308")
    end subroutine test_numbers
 
    subroutine test_values(error)
@@ -134,24 +135,18 @@ contains
       call scan_source("! c'&mment" // nl // "&A x = 3*0.5, ,1d2 -.5e+1" // nl // &
                        "  S='it''s', ""two"" t(2)=.TRUE. F ! / &b" // nl // " N = 2*, 7 &END" // &
                        nl // "&b/", "v", source, failure)
-      call check(error,.not. raised(failure), "refused")
-      if (allocated(error)) return
-      call check(error, source%count == 2 .and. find_group(source, "b") == 2, "groups")
-      if (allocated(error)) return
+      call expect(error, .not. raised(failure), "refused")
+      call expect(error, source%count == 2 .and. find_group(source, "b") == 2, "groups")
       associate (e => source%groups(1)%entries)
-         call check(error, source%groups(1)%count, 4, "entries")
-         if (allocated(error)) return
-         call check(error, e(1)%count == 4 .and. e(1)%values(1)%repeats == 3 .and. &
+         call expect(error, source%groups(1)%count, 4, "entries")
+         call expect(error, e(1)%count == 4 .and. e(1)%values(1)%repeats == 3 .and. &
                     e(1)%values(2)%kind == value_null .and. abs(e(1)%values(3)%number - &
                     100) <= 0 .and. abs(e(1)%values(4)%number + 5) <= 0, "x")
-         if (allocated(error)) return
-         call check(error, e(2)%values(1)%text // e(2)%values(2)%text, "it'stwo")
-         if (allocated(error)) return
-         call check(error, e(3)%first == 2 .and. e(3)%values(1)%kind == value_logical .and. &
+         call expect(error, e(2)%values(1)%text // e(2)%values(2)%text, "it'stwo")
+         call expect(error, e(3)%first == 2 .and. e(3)%values(1)%kind == value_logical .and. &
                     e(3)%values(1)%flag .and. .not. e(3)%values(2)%flag .and. &
                     e(3)%line == 3, "t(2)")
-         if (allocated(error)) return
-         call check(error, e(4)%values(1)%kind == value_null .and. &
+         call expect(error, e(4)%values(1)%kind == value_null .and. &
                     e(4)%values(1)%repeats == 2 .and. e(4)%values(2)%kind == value_number, "n")
       end associate
    end subroutine test_values
@@ -168,10 +163,8 @@ contains
          e = trim(ends(i))
          call scan_source(char(239) // char(187) // char(191) // "! " // char(195) // char(169) // &
                           e // e // "&a" // e // "x=1" // e // "/" // e, "v", source, failure)
-         call check(error,.not. raised(failure), "refused")
-         if (allocated(error)) return
-         call check(error, source%groups(1)%entries(1)%line, 4, "line number")
-         if (allocated(error)) return
+         call expect(error, .not. raised(failure), "refused")
+         call expect(error, source%groups(1)%entries(1)%line, 4, "line number")
       end do
    end subroutine test_line_ends
 
@@ -186,12 +179,10 @@ contains
       do i = 1, size(cases)
          call clear(failure)
          call make(before // trim(cases(i)%text), scene, failure)
-         call check(error, raised(failure), "taken: " // trim(cases(i)%text))
-         if (allocated(error)) return
-         call check(error, index(failure%message, trim(cases(i)%words)) > 0 .and. &
+         call expect(error, raised(failure), "taken: " // trim(cases(i)%text))
+         call expect(error, index(failure%message, trim(cases(i)%words)) > 0 .and. &
                     index(failure%message, "test.nml") == 1 .and. failure%code == poinsot_e_scene, &
                     trim(cases(i)%text) // " gives: " // failure%message)
-         if (allocated(error)) return
       end do
    end subroutine refuse_all
 
@@ -227,15 +218,13 @@ contains
       type(scene_source) :: source
       type(poinsot_error) :: failure
       call read_source("no/such.nml", source, failure)
-      call check(error, failure%code, poinsot_e_io, "a file that is not there")
-      if (allocated(error)) return
+      call expect(error, failure%code, poinsot_e_io, "a file that is not there")
       call clear(failure)
       call read_source("scenes", source, failure)
-      call check(error, failure%code, poinsot_e_io, "a folder")
-      if (allocated(error)) return
+      call expect(error, failure%code, poinsot_e_io, "a folder")
       call clear(failure)
       call read_source("/dev/null", source, failure)
-      call check(error, failure%code, poinsot_e_scene, "an empty file")
+      call expect(error, failure%code, poinsot_e_scene, "an empty file")
    end subroutine test_reader_files
 
    !> Groups and keys: each message has the line and the nearest name.
@@ -317,22 +306,18 @@ contains
       integer :: i
       call load("sleeping-top", &
                 "scene.method=dmv8;bodies(2).y=1,,3;SCENE.H = 0.25;output.every=2*", scene, failure)
-      call check(error, raised(failure), "every without a number taken")
-      if (allocated(error)) return
+      call expect(error, raised(failure), "every without a number taken")
       call clear(failure)
       call load("sleeping-top", "scene.method=dmv8;bodies(2).y=1,2,3;SCENE.H = 0.25", &
                 scene, failure)
-      call check(error,.not. raised(failure), "refused")
-      if (allocated(error)) return
-      call check(error, scene%method == "dmv8" .and. abs(scene%h - 0.25_dp) <= 0 .and. &
+      call expect(error, .not. raised(failure), "refused")
+      call expect(error, scene%method == "dmv8" .and. abs(scene%h - 0.25_dp) <= 0 .and. &
                  all(abs(scene%bodies(2)%y - [1, 2, 3]) <= 0) .and. &
                  abs(scene%bodies(1)%y(3) - 2.2_dp) <= 0, "values")
-      if (allocated(error)) return
       do i = 1, size(bad)
          call clear(failure)
          call load("sleeping-top", trim(bad(i)), scene, failure)
-         call check(error, failure%code, poinsot_e_scene, "taken: " // trim(bad(i)))
-         if (allocated(error)) return
+         call expect(error, failure%code, poinsot_e_scene, "taken: " // trim(bad(i)))
       end do
    end subroutine test_override
 
@@ -344,22 +329,18 @@ contains
       type(poinsot_error) :: failure
       type(piece) :: part
       call make("&scene t_end=1000000000000.5 h=1 /" // good_body, scene, failure)
-      call check(error, .not. raised(failure), "refused")
-      if (allocated(error)) return
+      call expect(error, .not. raised(failure), "refused")
       part = get_piece(scene, 1_i8)
-      call check(error, part%steps == 1000000000001_i8 .and. part%h <= 1, &
+      call expect(error, part%steps == 1000000000001_i8 .and. part%h <= 1, &
          "a longer step than asked")
-      if (allocated(error)) return
-      call check(error, abs(part%steps*part%h - part%to) <= 1e-3_dp, "steps do not end at t_end")
-      if (allocated(error)) return
+      call expect(error, abs(part%steps*part%h - part%to) <= 1e-3_dp, "steps do not end at t_end")
       call make("&scene t_end=1e8 h=1e-3 /" // good_body // "&output every=1 /", scene, failure)
       part = get_piece(scene, 99999998_i8)
-      call check(error, part%steps == 1000_i8 .and. abs(part%h - 1e-3_dp) <= 0, &
+      call expect(error, part%steps == 1000_i8 .and. abs(part%h - 1e-3_dp) <= 0, &
                  "h of a piece far from the start")
-      if (allocated(error)) return
       call make("&scene t_end=0.3 h=0.1 /" // good_body, scene, failure)
       part = get_piece(scene, 1_i8)
-      call check(error, part%steps == 3_i8 .and. abs(part%h - 0.1_dp) <= 0, "0.3 in steps of 0.1")
+      call expect(error, part%steps == 3_i8 .and. abs(part%h - 0.1_dp) <= 0, "0.3 in steps of 0.1")
    end subroutine test_many_steps
 
    subroutine test_schedule(error)
@@ -375,23 +356,20 @@ contains
       do i = 1, size(texts)
          call make("&scene t_end=1 h=0.01 /" // good_body // "&output " // texts(i) // "/", &
             scene, failure)
-         call check(error,.not. raised(failure), "refused")
-         if (allocated(error)) return
+         call expect(error, .not. raised(failure), "refused")
          t = 0
          do k = 1, piece_count(scene)
             part = get_piece(scene, k)
-            call check(error, abs(part%from - t) <= 0 .and. part%to > part%from .and. &
+            call expect(error, abs(part%from - t) <= 0 .and. part%to > part%from .and. &
                        part%steps > 0 .and. part%h <= 0.01_dp*(1 + 1e-9_dp) .and. &
                        abs(part%steps*part%h - (part%to - part%from)) <= 1e-12_dp, "piece")
-            if (allocated(error)) return
             if (i == 1) then
-               call check(error, transfer(part%h, 0_i8) == transfer(0.01_dp, 0_i8), "h itself")
+               call expect(error, transfer(part%h, 0_i8) == transfer(0.01_dp, 0_i8), "h itself")
             end if
             if (allocated(error)) return
             t = part%to
          end do
-         call check(error, abs(t - 1) <= 0, "the end is not t_end")
-         if (allocated(error)) return
+         call expect(error, abs(t - 1) <= 0, "the end is not t_end")
       end do
    end subroutine test_schedule
 
@@ -404,10 +382,10 @@ contains
       do i = 1, size(shipped)
          call load(shipped(i), "", scene, failure)
          if (.not. raised(failure)) call check_scene(scene, failure)
-         call check(error,.not. raised(failure), "a shipped scene is refused: " // trim(shipped(i)))
-         if (allocated(error)) return
-         call check(error, scene%output%present .and. scene%output%pictures /= "none", "no picture")
-         if (allocated(error)) return
+         call expect(error, .not. raised(failure), &
+            "a shipped scene is refused: " // trim(shipped(i)))
+         call expect(error, scene%output%present .and. scene%output%pictures /= "none", &
+            "no picture")
       end do
    end subroutine test_shipped
 
@@ -444,11 +422,10 @@ contains
             call clear(failure)
             call make(changed, scene, failure)
             if (raised(failure)) refused = refused + 1
-            if (raised(failure)) call check(error, len(failure%message) > 10, "no message")
-            if (allocated(error)) return
+            if (raised(failure)) call expect(error, len(failure%message) > 10, "no message")
          end do
       end do
-      call check(error, refused > 100, "hardly any mutation was refused")
+      call expect(error, refused > 100, "hardly any mutation was refused")
 
    contains
 
@@ -485,9 +462,8 @@ contains
       call csv_row("0.1", 7_i8, y, q, 2.5_dp, -0.5_dp, room, n)
       row = room(:n)
       read (row, *) back
-      call check(error, all(abs(back - [0.1_dp, 7.0_dp, q, y, 2.5_dp, -0.5_dp, 2.0_dp]) <= 0), row)
-      if (allocated(error)) return
-      call check(error, index(row, " "), 0, "a blank in a row")
+      call expect(error, all(abs(back - [0.1_dp, 7.0_dp, q, y, 2.5_dp, -0.5_dp, 2.0_dp]) <= 0), row)
+      call expect(error, index(row, " "), 0, "a blank in a row")
    end subroutine test_csv_row
 
    !> Run a scene into a folder of the test output; the end state of its bodies.
@@ -536,9 +512,8 @@ contains
       real(dp), allocatable :: y(:, :), q(:, :)
       call load("free-body", "", scene, failure)
       if (.not. raised(failure)) call run_to(scene, "free-body", y, q, failure)
-      call check(error,.not. raised(failure), "the run failed")
-      if (allocated(error)) return
-      call check(error, maxval(abs(y(:, 1) - y_end)) < 2e-14_dp .and. &
+      call expect(error, .not. raised(failure), "the run failed")
+      call expect(error, maxval(abs(y(:, 1) - y_end)) < 2e-14_dp .and. &
                  attitude_distance(q(:, 1), q_end) < 5e-14_dp, "not the published end")
    end subroutine test_published_free_body
 
@@ -554,9 +529,8 @@ contains
       real(dp), allocatable :: y(:, :), q(:, :)
       call load("heavy-top", "", scene, failure)
       if (.not. raised(failure)) call run_to(scene, "heavy-top", y, q, failure)
-      call check(error,.not. raised(failure), "the run failed")
-      if (allocated(error)) return
-      call check(error, maxval(abs(y(:, 1) - y_end)) < 2e-14_dp .and. &
+      call expect(error, .not. raised(failure), "the run failed")
+      call expect(error, maxval(abs(y(:, 1) - y_end)) < 2e-14_dp .and. &
                  attitude_distance(q(:, 1), q_end) < 5e-14_dp, "not the published end")
    end subroutine test_published_top
 
@@ -580,10 +554,9 @@ contains
                 nl // "q=" // text_of(sqrt(0.8_dp)) // ",0,0," // text_of(-sqrt(0.2_dp)) // &
                 " /&gravity centre=0,0,1 /&output every=1 /", scene, failure)
       if (.not. raised(failure)) call run_to(scene, "tensor", y, q, failure)
-      call check(error,.not. raised(failure), "refused")
-      if (allocated(error)) return
+      call expect(error, .not. raised(failure), "refused")
       wanted = [c*y_end(1) - s*y_end(2), s*y_end(1) + c*y_end(2), y_end(3)]
-      call check(error, maxval(abs(y(:, 1) - wanted)) < 1e-11_dp, "momentum in the given frame")
+      call expect(error, maxval(abs(y(:, 1) - wanted)) < 1e-11_dp, "momentum in the given frame")
    end subroutine test_tensor_frame
 
    !> A run cut in two by a restart file writes the bytes of the uncut one, the thermostat's too.
@@ -613,7 +586,7 @@ contains
             "/first/restart.txt", scene, failure)
       end if
       if (.not. raised(failure)) call run_to(scene, "second", y, q, failure)
-      call check(error,.not. raised(failure), "a run of " // name // " failed")
+      call expect(error, .not. raised(failure), "a run of " // name // " failed")
       if (.not. allocated(error)) call same_parts(name, error)
    end subroutine cut_and_compare
 
@@ -625,12 +598,11 @@ contains
       call slurp(output // "/whole/trajectory.csv", whole)
       call slurp(output // "/first/trajectory.csv", first)
       call slurp(output // "/second/trajectory.csv", second)
-      call check(error, len(second) > 200 .and. first // second(index(second, nl) + 1:) == whole, &
+      call expect(error, len(second) > 200 .and. first // second(index(second, nl) + 1:) == whole, &
                  "the parts of " // name // " are not the whole")
-      if (allocated(error)) return
       call slurp(output // "/whole/restart.txt", whole)
       call slurp(output // "/second/restart.txt", second)
-      call check(error, len(whole) > 100 .and. whole == second, "another end of " // name)
+      call expect(error, len(whole) > 100 .and. whole == second, "another end of " // name)
    end subroutine same_parts
 
    logical function stop_now(self)
@@ -662,17 +634,15 @@ contains
       if (.not. raised(failure)) call run_to(scene, "whole", y, q, failure)
       call remove_folder("first")
       call run_scene(scene, output // "/first", watch, report, failure)
-      call check(error,.not. raised(failure) .and. report%state == "interrupted", "not interrupted")
-      if (allocated(error)) return
-      call check(error, report%t > 0 .and. report%t < 10, "stopped at the start or the end")
-      if (allocated(error)) return
+      call expect(error, .not. raised(failure) .and. report%state == "interrupted", &
+         "not interrupted")
+      call expect(error, report%t > 0 .and. report%t < 10, "stopped at the start or the end")
       call slurp(output // "/first/summary.txt", text)
-      call check(error, index(text, "interrupted") > 0, "the summary does not say so")
-      if (allocated(error)) return
+      call expect(error, index(text, "interrupted") > 0, "the summary does not say so")
       call load("heavy-top", settings // ";scene.from=" // output // "/first/restart.txt", scene, &
          failure)
       if (.not. raised(failure)) call run_to(scene, "second", y, q, failure)
-      call check(error,.not. raised(failure), "the continuation failed")
+      call expect(error, .not. raised(failure), "the continuation failed")
       if (.not. allocated(error)) call same_parts("the top interrupted, " // splitting, error)
    end subroutine stop_and_go_on
 
@@ -688,16 +658,14 @@ contains
       call load("heavy-top", "scene.t_end=1", scene, failure)
       if (.not. raised(failure)) call run_to(scene, "first", y, q, failure)
       call slurp(output // "/first/restart.txt", text)
-      call check(error,.not. raised(failure) .and. len(text) > 100, "no restart file")
-      if (allocated(error)) return
+      call expect(error, .not. raised(failure) .and. len(text) > 100, "no restart file")
       do i = 0, len(text) - 2, 7
          open (newunit=unit, file=output // "/cut.txt", access="stream", status="replace")
          write (unit) text(:i)
          close (unit)
          call clear(failure)
          call read_restart(output // "/cut.txt", 1_i8, 0_i8, state, failure)
-         call check(error, failure%code, poinsot_e_scene, "a truncated file is taken")
-         if (allocated(error)) return
+         call expect(error, failure%code, poinsot_e_scene, "a truncated file is taken")
       end do
       call refused("scene.h=0.01", "h = 0.02")
       if (.not. allocated(error)) call refused("scene.method=dmv8", "method = exact")
@@ -714,9 +682,9 @@ contains
          call load("heavy-top", setting // ";scene.from=" // output // "/first/restart.txt", &
             scene, failure)
          if (.not. raised(failure)) call run_to(scene, "second", y, q, failure)
-         call check(error, failure%code, poinsot_e_scene, "taken with " // setting)
+         call expect(error, failure%code, poinsot_e_scene, "taken with " // setting)
          if (.not. allocated(error)) then
-            call check(error, index(failure%message, words) > 0, failure%message)
+            call expect(error, index(failure%message, words) > 0, failure%message)
          end if
       end subroutine refused
 
@@ -731,10 +699,9 @@ contains
       character(:), allocatable :: text
       call load("heavy-top", "scene.method=dmv4;scene.h=3;output.every=3", scene, failure)
       if (.not. raised(failure)) call run_to(scene, "failed", y, q, failure)
-      call check(error, failure%code, poinsot_e_partial, "not the error of a failed body")
-      if (allocated(error)) return
+      call expect(error, failure%code, poinsot_e_partial, "not the error of a failed body")
       call slurp(output // "/failed/summary.txt", text)
-      call check(error, index(text, "failed") > 0 .and. index(text, "complete") == 0, &
+      call expect(error, index(text, "failed") > 0 .and. index(text, "complete") == 0, &
          "summary: " // text)
    end subroutine test_failed_run
 
@@ -746,11 +713,10 @@ contains
       type(run_report) :: report
       call load("free-body", "", scene, failure)
       call run_scene(scene, "fpm.toml", watch, report, failure)
-      call check(error, failure%code, poinsot_e_io, "a file as output folder")
-      if (allocated(error)) return
+      call expect(error, failure%code, poinsot_e_io, "a file as output folder")
       call clear(failure)
       call run_scene(scene, "/dev/null/x", watch, report, failure)
-      call check(error, failure%code, poinsot_e_io, "no place for an output folder")
+      call expect(error, failure%code, poinsot_e_io, "no place for an output folder")
    end subroutine test_output_refused
 
    !> Command lines and what they print, from test/golden; skipped without POINSOT_APP.
@@ -764,14 +730,12 @@ contains
       integer :: i
       do i = 1, size(names)
          call slurp("test/golden/" // trim(names(i)) // ".txt", wanted)
-         call check(error, index(wanted, "$ poinsot "), 1, "no golden output: " // trim(names(i)))
-         if (allocated(error)) return
+         call expect(error, index(wanted, "$ poinsot "), 1, "no golden output: " // trim(names(i)))
          arguments = wanted(11:index(wanted, nl) - 1)
          call ask_app(arguments, got, error)
          if (allocated(error)) return
-         call check(error, got == wanted(index(wanted, nl) + 1:), "poinsot " // arguments // &
+         call expect(error, got == wanted(index(wanted, nl) + 1:), "poinsot " // arguments // &
             " prints:" // nl // got)
-         if (allocated(error)) return
       end do
    end subroutine test_golden
 
@@ -783,7 +747,7 @@ contains
       if (allocated(error)) return
       call slurp("docs/scenes.md", page)
       tables = got(:index(got, "exit 0") - 1)
-      call check(error, len(tables) > 1000 .and. index(page, tables) > 0, &
+      call expect(error, len(tables) > 1000 .and. index(page, tables) > 0, &
                  "docs/scenes.md does not hold what `poinsot keys` prints now:" // nl // tables)
    end subroutine test_keys
 
@@ -803,8 +767,7 @@ contains
       call get_environment_variable("POINSOT_APP", app)
       call execute_command_line("{ '" // app // "' " // arguments // "; echo exit $?; } >" // &
                                 output // "/golden.txt 2>&1", exitstat=state, cmdstat=code)
-      call check(error, code == 0 .and. state == 0, "no shell to run the program")
-      if (allocated(error)) return
+      call expect(error, code == 0 .and. state == 0, "no shell to run the program")
       call slurp(output // "/golden.txt", got)
    end subroutine ask_app
 

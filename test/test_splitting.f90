@@ -2,7 +2,7 @@
 !> orders stand in test_splitting_motion.
 !> costs nothing.
 module test_splitting
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok
    use poinsot_core_error, only: poinsot_error, raised
@@ -16,6 +16,7 @@ module test_splitting
    use poinsot_splitting_registry, only: is_table, find_splitting, splitting_count, &
       splitting_name, achieved_order
    use poinsot_splitting_stepper, only: flows, run_steps
+   use test_expectation, only: expect
    use test_splitting_motion, only: collect_motion
    use test_turning, only: bench, set_up, place, run, no_effects, generic_moments_of, &
       generic_y, generic_q
@@ -68,17 +69,14 @@ contains
          if (.not. is_table(i)) cycle
          scheme = row(i)
          associate (ops => scheme%operations)
-            call check(error, abs(sum(ops%b, mask=ops%is_kick) - 1) < 1e-15_dp, &
+            call expect(error, abs(sum(ops%b, mask=ops%is_kick) - 1) < 1e-15_dp, &
                "kicks do not add to 1: "//scheme%name)
-            if (allocated(error)) return
-            call check(error, abs(sum(ops%b, mask=.not. ops%is_kick) - 1) < 1e-15_dp, &
+            call expect(error, abs(sum(ops%b, mask=.not. ops%is_kick) - 1) < 1e-15_dp, &
                "rotations do not add to 1: "//scheme%name)
-            if (allocated(error)) return
          end associate
          associate (ops => scheme%leave)
-            call check(error, abs(sum(ops%b, mask=ops%is_kick)) < 1e-15_dp .and. &
+            call expect(error, abs(sum(ops%b, mask=ops%is_kick)) < 1e-15_dp .and. &
                abs(sum(ops%b, mask=.not. ops%is_kick)) < 1e-15_dp, "processor moves: "//scheme%name)
-            if (allocated(error)) return
          end associate
       end do
    end subroutine test_sums
@@ -92,13 +90,11 @@ contains
          scheme = row(i)
          n = size(scheme%operations)
          associate (ops => scheme%operations, back => scheme%operations(n:1:-1))
-            call check(error, scheme%symmetric .and. &
+            call expect(error, scheme%symmetric .and. &
                        mod(n, 2) == 1 .and. all(ops%b == back%b) .and. all(ops%c == back%c) .and. &
                        all(ops%is_kick .eqv. back%is_kick), "not symmetric: "//scheme%name)
-            if (allocated(error)) return
-            call check(error, all(ops(2:)%is_kick .neqv. ops(:n - 1)%is_kick), &
+            call expect(error, all(ops(2:)%is_kick .neqv. ops(:n - 1)%is_kick), &
                "rotations and kicks do not alternate: "//scheme%name)
-            if (allocated(error)) return
          end associate
       end do
    end subroutine test_symmetry
@@ -119,19 +115,16 @@ contains
       integer :: i, order
       do i = 1, size(ours)
          call find_splitting(trim(ours(i)), scheme, refusal)
-         call check(error,.not. raised(refusal), "missing: "//ours(i))
-         if (allocated(error)) return
+         call expect(error, .not. raised(refusal), "missing: "//ours(i))
          call read_table(trim(theirs(i)), table, order)
-         call check(error, size(table), size(scheme%operations), "length of "//ours(i))
+         call expect(error, size(table), size(scheme%operations), "length of "//ours(i))
          if (allocated(error)) return
          ! the file has 14 digits of Yoshida's, the row 20
-         call check(error, all(table%is_kick .eqv. scheme%operations%is_kick) .and. &
+         call expect(error, all(table%is_kick .eqv. scheme%operations%is_kick) .and. &
             maxval(abs(table%b - scheme%operations%b)) < merge(2e-14_dp, 1e-16_dp, ours(i) &
             == "yoshida6") .and. &
             maxval(abs(table%c - scheme%operations%c)) < 1e-18_dp, "coefficients of "//ours(i))
-         if (allocated(error)) return
-         call check(error, scheme%order, order, "order of "//ours(i))
-         if (allocated(error)) return
+         call expect(error, scheme%order, order, "order of "//ours(i))
       end do
    end subroutine test_published_tables
 
@@ -145,13 +138,11 @@ contains
          n = size(scheme%operations)
          associate (ops => scheme%operations)
             do k = 1, n
-               call check(error, abs(ops(k)%node - sum(ops(:k - 1)%b, &
+               call expect(error, abs(ops(k)%node - sum(ops(:k - 1)%b, &
                           mask=.not. ops(:k - 1)%is_kick)) < 1e-15_dp, "node of "//scheme%name)
-               if (allocated(error)) return
             end do
-            if (ops(n)%is_kick) call check(error, ops(1)%node == 0 .and. ops(n)%node == 1, &
+            if (ops(n)%is_kick) call expect(error, ops(1)%node == 0 .and. ops(n)%node == 1, &
                "the last kick is not at the end exactly: "//scheme%name)
-            if (allocated(error)) return
          end associate
       end do
    end subroutine test_nodes
@@ -163,13 +154,11 @@ contains
       do i = 1, splitting_count()
          if (.not. is_table(i)) cycle
          scheme = row(i)
-         call check(error, scheme%author /= "" .and. scheme%paper /= "" .and. &
+         call expect(error, scheme%author /= "" .and. scheme%paper /= "" .and. &
             scheme%year > 1900 .and. &
             scheme%order >= 2 .and. scheme%stages >= 1, "incomplete: "//scheme%name)
-         if (allocated(error)) return
-         call check(error, scheme%needs_gradient .eqv. any(scheme%operations%c /= 0), &
+         call expect(error, scheme%needs_gradient .eqv. any(scheme%operations%c /= 0), &
             "needs_gradient: "//scheme%name)
-         if (allocated(error)) return
       end do
    end subroutine test_rows
 
@@ -180,21 +169,18 @@ contains
       integer :: i
       do i = 1, splitting_count()
          call find_splitting(splitting_name(i), scheme, refusal)
-         call check(error,.not. raised(refusal) .and. scheme%name == splitting_name(i), &
+         call expect(error, .not. raised(refusal) .and. scheme%name == splitting_name(i), &
             "not found by name")
-         if (allocated(error)) return
       end do
-      call check(error, splitting_name(0)//splitting_name(splitting_count() + 1), "")
-      if (allocated(error)) return
+      call expect(error, splitting_name(0)//splitting_name(splitting_count() + 1), "")
       call find_splitting("skrn6", scheme, refusal)
-      call check(error, raised(refusal), "unknown name taken")
-      if (allocated(error)) return
-      call check(error, index(refusal%message, "'srkn6'") > 0, "nearest name: "//refusal%message)
+      call expect(error, raised(refusal), "unknown name taken")
+      call expect(error, index(refusal%message, "'srkn6'") > 0, "nearest name: "//refusal%message)
    end subroutine test_names
 
    subroutine test_achieved_order(error)
       type(error_type), allocatable, intent(out) :: error
-      call check(error, achieved_order(6, 0, [integer ::]) == 6 .and. &
+      call expect(error, achieved_order(6, 0, [integer ::]) == 6 .and. &
                  achieved_order(6, 4, [0]) == 4 .and. achieved_order(8, 10, [0, 2]) == 2 .and. &
                  achieved_order(0, 0, [0]) == 0, "achieved order")
    end subroutine test_achieved_order
@@ -213,21 +199,18 @@ contains
          log = recorder(fresh=.false., has_dissipation=.false., halted=.false.)
          call run_steps(scheme, log, t, h, 7_i8, 5_i8)
          kicks = count(scheme%operations%is_kick)
-         call check(error, log%kicks == 5*kicks .and. &
+         call expect(error, log%kicks == 5*kicks .and. &
                     log%drifts == 5*(size(scheme%operations) - kicks), "flows of "//scheme%name)
          if (allocated(error)) return
          if (scheme%operations(1)%is_kick) kicks = kicks - 1
-         call check(error, log%evaluations == 5*kicks + merge(1, 0, scheme%operations(1)%is_kick), &
+         call expect(error, log%evaluations == 5*kicks + merge(1, 0, &
+            scheme%operations(1)%is_kick), &
             "torques of "//scheme%name)
-         if (allocated(error)) return
-         call check(error,.not. log%stale, "a stored torque served another time: "//scheme%name)
-         if (allocated(error)) return
-         call check(error, abs(log%moved - 0.5_dp) < 1e-14_dp .and. abs(log%pushed - &
+         call expect(error, .not. log%stale, "a stored torque served another time: "//scheme%name)
+         call expect(error, abs(log%moved - 0.5_dp) < 1e-14_dp .and. abs(log%pushed - &
                     0.5_dp) < 1e-14_dp, "five steps are not five steps: "//scheme%name)
-         if (allocated(error)) return
-         if (scheme%operations(1)%is_kick) call check(error, log%last_time, t + 12*h, &
+         if (scheme%operations(1)%is_kick) call expect(error, log%last_time, t + 12*h, &
             "end", thr=1e-15_dp)
-         if (allocated(error)) return
       end do
    end subroutine test_stepper_counts
 
@@ -240,7 +223,7 @@ contains
       log%has_dissipation = .false.
       log%halted = .true.
       call run_steps(scheme, log, 0.0_dp, 0.1_dp, 0_i8, 5_i8)
-      call check(error, log%kicks == 1 .and. log%drifts == 0, "a halted system went on")
+      call expect(error, log%kicks == 1 .and. log%drifts == 0, "a halted system went on")
    end subroutine test_stepper_halts
 
    !> Without effects: one rotation, no kick, nothing allocated, and the bits of the bare rotor.
@@ -257,14 +240,14 @@ contains
       call make_effect("gravity", [number_setting("centre", generic_y), &
                        number_setting("class", [2.0_dp])], other(1)%it, refusal)
       call set_up(it, generic_moments_of, "exact", "srkn6", other)
-      call check(error, it%good .and. size(it%scheme%operations) == 1, &
+      call expect(error, it%good .and. size(it%scheme%operations) == 1, &
          "an effect of another class makes kicks")
       if (allocated(error)) return
       call set_up(it, generic_moments_of, "exact", "srkn6", no_effects())
-      call check(error, size(it%scheme%operations) == 1 .and. &
+      call expect(error, size(it%scheme%operations) == 1 .and. &
                  .not. any(it%scheme%operations%is_kick), "a kick without torque")
       if (allocated(error)) return
-      call check(error, size(it%acting%torques) == 0 .and. size(it%acting%dissipative) == 0 .and. &
+      call expect(error, size(it%acting%torques) == 0 .and. size(it%acting%dissipative) == 0 .and. &
          .not. (allocated(it%acting%weights) .or. it%class%has_rotor .or. &
          it%block%has_dissipation), "something acts")
       if (allocated(error)) return
@@ -278,7 +261,7 @@ contains
       do k = 1, 50
          call advance(method, class, 0.2_dp, y, q, status)
       end do
-      call check(error, all(it%block%y == y) .and. all(it%block%q == q), &
+      call expect(error, all(it%block%y == y) .and. all(it%block%q == q), &
          "not the bits of the bare rotor")
    end subroutine test_absent
 
@@ -290,13 +273,11 @@ contains
       allocate (plain_torque :: effects(1)%it)
       effects(1)%it%name = "mine"
       call set_up(it, generic_moments_of, "exact", "chin4", effects)
-      call check(error,.not. it%good, "a scheme with gradient took a torque without")
-      if (allocated(error)) return
-      call check(error, index(it%message, "chin4") > 0 .and. &
+      call expect(error, .not. it%good, "a scheme with gradient took a torque without")
+      call expect(error, index(it%message, "chin4") > 0 .and. &
                  index(it%message, "mine") > 0, it%message)
-      if (allocated(error)) return
       call set_up(it, generic_moments_of, "exact", "srkn4", effects)
-      call check(error, it%good, it%message)
+      call expect(error, it%good, it%message)
    end subroutine test_gradient_refused
 
    function row(i) result(scheme)

@@ -1,7 +1,7 @@
 !> Room splitting at work: measured orders of every scheme, data of the heavy top, and the rules on
 !> bits.
 module test_splitting_motion
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, qp, i8, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_effect_effect, only: effect_item
@@ -10,6 +10,7 @@ module test_splitting_motion
    use poinsot_splitting_tableaux, only: turn_composition
    use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name, achieved_order
    use poinsot_splitting_stepper, only: apply_preprocessor, apply_postprocessor
+   use test_expectation, only: expect
    use test_measure, only: measure_slope, attitude_distance, momentum_distance
    use test_oracle_data, only: top_case, read_top, published_3
    use test_oracle_taylor, only: taylor_problem, taylor_report, taylor_flow
@@ -52,12 +53,10 @@ contains
       do i = 1, splitting_count()
          if (.not. is_table(i)) cycle
          call set_up(it, generic_moments_of, "exact", splitting_name(i), effects)
-         call check(error, it%good, it%message)
-         if (allocated(error)) return
+         call expect(error, it%good, it%message)
          slope = slopes(it, 4.0_dp, 12, y, q)
          width = merge(0.3_dp, 0.5_dp, it%scheme%order <= 4)
-         call check(error, all(abs(slope - it%scheme%order) < width), told(it, slope))
-         if (allocated(error)) return
+         call expect(error, all(abs(slope - it%scheme%order) < width), told(it, slope))
       end do
    end subroutine test_orders
 
@@ -81,8 +80,7 @@ contains
                        number_setting("frequency", [2.0_dp]), text_setting("frame", "space")], &
                        effects(3)%it, refusal)
       call set_up(it, generic_moments_of, "exact", "srkn6", effects)
-      call check(error, it%good, it%message)
-      if (allocated(error)) return
+      call expect(error, it%good, it%message)
       call place(it, generic_y, generic_q)
       call judge(it, 0.7_dp, 3.0_dp/6000, 6000)
       y = it%block%y(1, :)
@@ -90,8 +88,7 @@ contains
       do i = 1, size(names)
          call set_up(it, generic_moments_of, "exact", trim(names(i)), effects)
          slope = slopes(it, 3.0_dp, 12, y, q, start=0.7_dp, floor=1e-14_dp)
-         call check(error, all(abs(slope - it%scheme%order) < 0.4_dp), told(it, slope))
-         if (allocated(error)) return
+         call expect(error, all(abs(slope - it%scheme%order) < 0.4_dp), told(it, slope))
       end do
    end subroutine test_order_with_time
 
@@ -108,14 +105,11 @@ contains
       call true_end(2.0_dp, y, q)
       do i = 1, size(rotors)
          call set_up(it, generic_moments_of, trim(rotors(i)), "srkn6", effects)
-         call check(error, it%good, it%message)
-         if (allocated(error)) return
+         call expect(error, it%good, it%message)
          slope = slopes(it, 2.0_dp, 10, y, q)
          order = achieved_order(it%scheme%order, it%method%order, [0])
-         call check(error, order, merge(4, 2, rotors(i) == "dmv4"), "told order")
-         if (allocated(error)) return
-         call check(error, all(abs(slope - order) < 0.4_dp), "rotor "//rotors(i)//told(it, slope))
-         if (allocated(error)) return
+         call expect(error, order, merge(4, 2, rotors(i) == "dmv4"), "told order")
+         call expect(error, all(abs(slope - order) < 0.4_dp), "rotor "//rotors(i)//told(it, slope))
       end do
    end subroutine test_caps
 
@@ -129,12 +123,11 @@ contains
       call true_end(2.0_dp, y, q)
       call set_up(it, generic_moments_of, "exact", "takahashi-imada", effects)
       slope = slopes(it, 2.0_dp, 12, y, q)
-      call check(error, all(abs(slope - 4) < 0.3_dp), told(it, slope))
-      if (allocated(error)) return
+      call expect(error, all(abs(slope - 4) < 0.3_dp), told(it, slope))
       deallocate (it%scheme%enter, it%scheme%leave)
       allocate (it%scheme%enter(0), it%scheme%leave(0))
       slope = slopes(it, 2.0_dp, 12, y, q)
-      call check(error, all(abs(slope - 2) < 0.3_dp), told(it, slope))
+      call expect(error, all(abs(slope - 2) < 0.3_dp), told(it, slope))
    end subroutine test_processor
 
    !> Leaving and entering again comes back, up to rounding.
@@ -146,11 +139,10 @@ contains
       call set_up(it, generic_moments_of, "exact", "takahashi-imada", effects)
       call place(it, generic_y, generic_q)
       call apply_postprocessor(it%scheme, it%block, 0.0_dp, 0.3_dp, 0_i8)
-      call check(error, momentum_distance(it%block%y(1, :), generic_y) > 1e-4_dp, &
+      call expect(error, momentum_distance(it%block%y(1, :), generic_y) > 1e-4_dp, &
          "the processor does nothing")
-      if (allocated(error)) return
       call apply_preprocessor(it%scheme, it%block, 0.0_dp, 0.3_dp, 0_i8)
-      call check(error, momentum_distance(it%block%y(1, :), generic_y) < 1e-14_dp .and. &
+      call expect(error, momentum_distance(it%block%y(1, :), generic_y) < 1e-14_dp .and. &
          attitude_distance(it%block%q(1, :), generic_q) < 1e-14_dp, "not inverted")
    end subroutine test_processor_inverse
 
@@ -188,16 +180,14 @@ contains
          call taylor_flow(problem, 4.0_qp, yq, qq, report)
          do i = 1, size(names)
             call set_up(it, generic_moments_of, "exact", trim(names(i)), effects)
-            call check(error, it%good, it%message)
-            if (allocated(error)) return
+            call expect(error, it%good, it%message)
             slope = slopes(it, 4.0_dp, 12, real(yq, dp), real(qq, dp), floor=5e-15_dp)
-            call check(error, all(slope > 2*i - 0.5_dp), "with rotor, "//told(it, slope))
-            if (allocated(error)) return
+            call expect(error, all(slope > 2*i - 0.5_dp), "with rotor, "//told(it, slope))
          end do
       end do
       do i = 2, 8, 2
          call turn_composition(i, weights)
-         call check(error, abs(sum(weights) - 1) < 2e-15_dp .and. &
+         call expect(error, abs(sum(weights) - 1) < 2e-15_dp .and. &
             all(weights == weights(size(weights):1:-1)), "weights")
          if (allocated(error)) return
       end do
@@ -213,14 +203,13 @@ contains
       call make_effect("drag", [number_setting("friction", [0.5_dp, 0.2_dp, 0.9_dp])], &
          effects(2)%it, refusal)
       call set_up(it, generic_moments_of, "exact", "srkn6", effects)
-      call check(error, it%good, it%message)
-      if (allocated(error)) return
+      call expect(error, it%good, it%message)
       call place(it, generic_y, generic_q)
       call judge(it, 0.0_dp, 1.0_dp/2000, 2000)
       y = it%block%y(1, :)
       q = it%block%q(1, :)
       slope = slopes(it, 1.0_dp, 12, y, q)
-      call check(error, all(abs(slope - 2) < 0.2_dp), told(it, slope))
+      call expect(error, all(abs(slope - 2) < 0.2_dp), told(it, slope))
    end subroutine test_drag_order
 
    !> Every row of data/top.csv to 1e-12, by two schemes of order 6.
@@ -235,7 +224,7 @@ contains
       real(dp) :: dy, dq
       integer :: i, k, n
       call read_top(cases)
-      call check(error, size(cases) >= 12, "data/top.csv")
+      call expect(error, size(cases) >= 12, "data/top.csv")
       if (allocated(error)) return
       allocate (effects(1))
       do i = 1, size(cases)
@@ -244,8 +233,7 @@ contains
             number_setting("weight", [norm2(cases(i)%direction)])], effects(1)%it, refusal)
          do k = 1, 2
             call set_up(it, cases(i)%moments, "exact", trim(names(k)), effects)
-            call check(error, it%good, it%message)
-            if (allocated(error)) return
+            call expect(error, it%good, it%message)
             it%block%compensated = .true.
             call place(it, cases(i)%y, cases(i)%q)
             n = nint(cases(i)%t*merge(100, 200, k == 1))
@@ -253,8 +241,7 @@ contains
             dy = momentum_distance(real(it%block%y(1, :), qp), cases(i)%y_end)
             dq = attitude_distance(real(it%block%q(1, :), qp), cases(i)%q_end)
             write (text, '(a, " row ", i0, ": y ", es8.1, " q ", es8.1)') trim(names(k)), i, dy, dq
-            call check(error, max(dy, dq) < 1e-12_dp, trim(text))
-            if (allocated(error)) return
+            call expect(error, max(dy, dq) < 1e-12_dp, trim(text))
          end do
       end do
    end subroutine test_top_data
@@ -272,12 +259,10 @@ contains
       call set_up(it, published_3%moments, "exact", "srkn6", effects)
       call place(it, published_3%y, [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp])
       call it%block%energies(0.0_dp, kinetic, potential)
-      call check(error, kinetic(1) + potential(1), 4.205_dp, thr=1e-14_dp)
-      if (allocated(error)) return
+      call expect(error, kinetic(1) + potential(1), 4.205_dp, thr=1e-14_dp)
       call run(it, 0.0_dp, 0.01_dp, 0, 1000)
-      call check(error, maxval(abs(it%block%y(1, :) - published_3%y_end)) < 2e-13_dp, "y")
-      if (allocated(error)) return
-      call check(error, maxval(abs(it%block%q(1, :) - published_3%q_end)) < 2e-13_dp, "q")
+      call expect(error, maxval(abs(it%block%y(1, :) - published_3%y_end)) < 2e-13_dp, "y")
+      call expect(error, maxval(abs(it%block%q(1, :) - published_3%q_end)) < 2e-13_dp, "q")
    end subroutine test_top_published
 
    !> steps = 10 equals ten calls of one step, to the bit, with every scheme, with time, rotor and
@@ -303,8 +288,7 @@ contains
       do i = 1, splitting_count()
          if (.not. is_table(i)) cycle
          call set_up(it, generic_moments_of, "exact", splitting_name(i), effects)
-         call check(error, it%good, it%message)
-         if (allocated(error)) return
+         call expect(error, it%good, it%message)
          it%block%compensated = mod(i, 2) == 0
          call place(it, generic_y, generic_q)
          call run(it, 0.1_dp, 0.013_dp, 3, 10)
@@ -315,11 +299,9 @@ contains
             it%block%fresh = .false.
             call run(it, 0.1_dp, 0.013_dp, 3 + k, 1)
          end do
-         call check(error, all(it%block%y == y) .and. all(it%block%q == q), &
+         call expect(error, all(it%block%y == y) .and. all(it%block%q == q), &
             "bits: "//splitting_name(i))
-         if (allocated(error)) return
-         call check(error, maxval(abs(y(:, 1) - generic_y(1))) > 1e-3_dp, "nothing happened")
-         if (allocated(error)) return
+         call expect(error, maxval(abs(y(:, 1) - generic_y(1))) > 1e-3_dp, "nothing happened")
       end do
    end subroutine test_ten_calls
 
@@ -344,7 +326,7 @@ contains
          it%block%y(l, :) = it%block%y(l, :)*(1 + 0.3_dp*(lanes + 1 - l))
       end do
       call run(it, 0.0_dp, 0.05_dp, 0, 20)
-      call check(error, all(it%block%y == y(lanes:1:-1, :)) .and. &
+      call expect(error, all(it%block%y == y(lanes:1:-1, :)) .and. &
                  all(it%block%q == q(lanes:1:-1, :)), "bits depend on the lane")
    end subroutine test_place
 
@@ -362,10 +344,9 @@ contains
          call run(it, 0.0_dp, 0.1_dp, 0, 20)
          it%block%fresh = .false.
          call run(it, 2.0_dp, -0.1_dp, 0, 20)
-         call check(error, momentum_distance(it%block%y(1, :), generic_y) < 5e-14_dp .and. &
+         call expect(error, momentum_distance(it%block%y(1, :), generic_y) < 5e-14_dp .and. &
             attitude_distance(it%block%q(1, :), generic_q) < 5e-14_dp, &
             "not reversible: "//splitting_name(i))
-         if (allocated(error)) return
       end do
    end subroutine test_reversal
 
@@ -384,12 +365,11 @@ contains
       call place(it, generic_y, generic_q)
       it%block%status(5) = 5
       call run(it, 0.0_dp, 0.05_dp, 0, 20)
-      call check(error, all(it%block%y(5, :) == generic_y) .and. all(it%block%q(5, :) &
+      call expect(error, all(it%block%y(5, :) == generic_y) .and. all(it%block%q(5, :) &
          == generic_q), "it moved")
-      if (allocated(error)) return
       y(5, :) = generic_y
       q(5, :) = generic_q
-      call check(error, all(it%block%y == y) .and. all(it%block%q == q), "neighbours noticed")
+      call expect(error, all(it%block%y == y) .and. all(it%block%q == q), "neighbours noticed")
    end subroutine test_frozen
 
    !> Slopes of the errors of y and q at time t over the five finest steps that rounding has not

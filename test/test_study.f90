@@ -1,7 +1,7 @@
 !> Studies: the references, the errors they measure, candidates, labels and frontiers. Errors only;
 !> no test is about time.
 module test_study
-   use testdrive, only: new_unittest, unittest_type, error_type, check, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_core_error, only: poinsot_error, raised
@@ -23,6 +23,7 @@ module test_study
    use poinsot_study_quadruple, only: turn_freely
    use poinsot_study_rivals, only: rival_point, read_rivals, rival_names, rival_time
    use poinsot_study_statistics, only: median, quantile, line_slope
+   use test_expectation, only: expect
    implicit none(type, external)
    private
    public :: collect_study, open_scene, as_it_is
@@ -71,18 +72,16 @@ contains
       real(qp) :: y(3), q(4)
       call turn_freely([0.376_dp, 0.627_dp, 1.0_dp], [0.0_dp, 0.6_dp, -0.8_dp], &
                        [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 40.0_dp, y, q)
-      call check(error, maxval(abs(real(y, dp) - [0.0545936805170048_dp, -0.5930307093190378_dp, &
+      call expect(error, maxval(abs(real(y, dp) - [0.0545936805170048_dp, -0.5930307093190378_dp, &
                                                   -0.8033268997439126_dp])) < 2e-15_dp, &
                                                      "momentum of the review")
-      if (allocated(error)) return
-      call check(error, maxval(abs(real(q, dp) - [-0.7620456033094549_dp, -0.5769991038241422_dp, &
+      call expect(error, maxval(abs(real(q, dp) - [-0.7620456033094549_dp, -0.5769991038241422_dp, &
                                                   -0.0272197283757480_dp, &
                                                      0.2926048855539088_dp])) < 2e-15_dp, &
                  "attitude of the review")
-      if (allocated(error)) return
       call turn_freely([0.6_dp, 0.8_dp, 1.0_dp], [1.8_dp, 0.4_dp, -0.9_dp], &
                        [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp], 10.0_dp, y, q)
-      call check(error, maxval(abs(real(q, dp) - [-0.7360614_dp, -0.5707870_dp, -0.2993886_dp, &
+      call expect(error, maxval(abs(real(q, dp) - [-0.7360614_dp, -0.5707870_dp, -0.2993886_dp, &
                                                   -0.2068391_dp])) < 1e-7_dp, &
                                                      "attitude of Hairer and Vilmart")
    end subroutine published_ends
@@ -101,13 +100,13 @@ contains
       integer :: k
       call turn_freely(moments, y0, q0, 30.0_dp, y, q)
       call turn_freely(moments, y0, q0, 30.0_dp, other_y, other_q, 2)
-      call check(error, max(maxval(abs(y - other_y)), maxval(abs(q - other_q))) < 1e-28_qp, &
+      call expect(error, max(maxval(abs(y - other_y)), maxval(abs(q - other_q))) < 1e-28_qp, &
          "half the step")
       do k = 1, size(parity)
          if (allocated(error)) return
          call turn_freely(moments(orders(:, k)), parity(k)*y0(orders(:, k)), &
                           [q0(1), parity(k)*q0(1 + orders(:, k))], 30.0_dp, other_y, other_q)
-         call check(error, maxval(abs(parity(k)*y(orders(:, k)) - other_y)) < 1e-28_qp .and. &
+         call expect(error, maxval(abs(parity(k)*y(orders(:, k)) - other_y)) < 1e-28_qp .and. &
                     maxval(abs(parity(k)*q(1 + orders(:, k)) - other_q(2:4))) < 1e-28_qp, &
                        "other names of axes")
       end do
@@ -119,20 +118,17 @@ contains
       real(dp) :: angle
       q = [cos(0.5e-12_qp), 0.0_qp, sin(0.5e-12_qp), 0.0_qp]
       angle = attitude_error(-q, [1.0_qp, 0.0_qp, 0.0_qp, 0.0_qp])
-      call check(error, abs(angle - 1e-12_dp) < 1e-25_dp, "a turn by 1e-12")
-      if (allocated(error)) return
+      call expect(error, abs(angle - 1e-12_dp) < 1e-25_dp, "a turn by 1e-12")
       angle = attitude_error([0.0_qp, 1.0_qp, 0.0_qp, 0.0_qp], [1.0_qp, 0.0_qp, 0.0_qp, 0.0_qp])
-      call check(error, abs(angle - acos(-1.0_dp)) < 1e-15_dp, "a half-turn")
+      call expect(error, abs(angle - acos(-1.0_dp)) < 1e-15_dp, "a half-turn")
    end subroutine tiny_angles
 
    subroutine numbers_in_order(error)
       type(error_type), allocatable, intent(out) :: error
-      call check(error, abs(median([3.0_dp, 1.0_dp, 2.0_dp]) - 2) < 1e-15_dp .and. &
+      call expect(error, abs(median([3.0_dp, 1.0_dp, 2.0_dp]) - 2) < 1e-15_dp .and. &
                  abs(median([4.0_dp, 1.0_dp, 2.0_dp, 3.0_dp]) - 2.5_dp) < 1e-15_dp, "medians")
-      if (allocated(error)) return
-      call check(error, abs(quantile([5.0_dp, 1.0_dp, 3.0_dp], 1.0_dp) - 5) < 1e-15_dp, "largest")
-      if (allocated(error)) return
-      call check(error, abs(line_slope([1.0_dp, 3.0_dp, 5.0_dp, 7.0_dp]) - 2) < 1e-14_dp, "slope")
+      call expect(error, abs(quantile([5.0_dp, 1.0_dp, 3.0_dp], 1.0_dp) - 5) < 1e-15_dp, "largest")
+      call expect(error, abs(line_slope([1.0_dp, 3.0_dp, 5.0_dp, 7.0_dp]) - 2) < 1e-14_dp, "slope")
    end subroutine numbers_in_order
 
    subroutine members_near(error)
@@ -144,16 +140,15 @@ contains
       integer :: i
       call open_scene("heavy-top", as_it_is, scene, failure)
       call draw_members(scene, .false., 40, 0.1_dp, members, failure)
-      call check(error, .not. raised(failure) .and. members%n == 40 .and. members%given == 1, &
+      call expect(error, .not. raised(failure) .and. members%n == 40 .and. members%given == 1, &
          "forty, one its own")
-      if (allocated(error)) return
-      call check(error, all(abs(members%y(:, 1) - [1.8_dp, 0.4_dp, -0.9_dp]) <= 0), &
+      call expect(error, all(abs(members%y(:, 1) - [1.8_dp, 0.4_dp, -0.9_dp]) <= 0), &
          "the scene's own is first")
       do i = 2, 40
          if (allocated(error)) return
          along = dot_product(members%y(:, i), members%y(:, 1))/norm2(members%y(:, &
             i))/norm2(members%y(:, 1))
-         call check(error, along > cos(0.1001_dp) .and. along < 1 .and. &
+         call expect(error, along > cos(0.1001_dp) .and. along < 1 .and. &
                     abs(norm2(members%q(:, i)) - 1) < 1e-15_dp .and. &
                     members%q(1, i) > cos(0.05001_dp) .and. members%q(1, i) < 1 .and. &
                     all(abs(members%q(2:, i)) > 1e-9_dp), "others are turned by 0.1 at most")
@@ -168,7 +163,7 @@ contains
       call open_scene("free-body", [character(40) :: "bodies.moments=1,0,1", "bodies.y=0.6,0,0.8", &
                                     "scene.method='exact'"], scene, failure)
       call draw_members(scene, .false., 30, any_direction, members, failure)
-      call check(error, .not. raised(failure) .and. all(abs(members%y(2, :)) <= 0) .and. &
+      call expect(error, .not. raised(failure) .and. all(abs(members%y(2, :)) <= 0) .and. &
                  all(abs(norm2(members%y, 1) - 1) < 1e-14_dp), &
                     "a linear body turns about no axis of its own")
    end subroutine members_linear
@@ -182,11 +177,11 @@ contains
       call open_scene("free-body", as_it_is, scene, failure)
       call survey_scene(scene, kind, failure)
       call list_candidates(scene, kind, any_name, any_name, list, failure)
-      call check(error, .not. raised(failure) .and. kind%free .and. .not. kind%kicks .and. &
+      call expect(error, .not. raised(failure) .and. kind%free .and. .not. kind%kicks .and. &
          size(list) >= 17 .and. &
                  all(list%splitting == "-"), "methods alone")
       if (allocated(error)) return
-      call check(error, list(1)%method == "exact" .and. list(1)%order == 0, "exact has no order")
+      call expect(error, list(1)%method == "exact" .and. list(1)%order == 0, "exact has no order")
    end subroutine free_candidates
 
    subroutine noisy_candidates(error)
@@ -201,11 +196,11 @@ contains
       call survey_scene(quiet, kind, failure)
       call list_candidates(quiet, kind, [character(24) :: "exact"], any_name, list, &
          failure)
-      call check(error, .not. raised(failure) .and. kind%noisy .and. kind%limit == 2 .and. &
+      call expect(error, .not. raised(failure) .and. kind%noisy .and. kind%limit == 2 .and. &
          .not. kind%kicks .and. &
                  size(list) == 1, "a thermostat limits the order")
       if (allocated(error)) return
-      call check(error, list(1)%order == 2, "exact within it has order 2")
+      call expect(error, list(1)%order == 2, "exact within it has order 2")
    end subroutine noisy_candidates
 
    subroutine free_cost(error)
@@ -216,16 +211,13 @@ contains
          any_name, &
                        study, error)
       if (allocated(error)) return
-      call check(error, maxval(study%reference%angle) < 1e-25_dp, &
+      call expect(error, maxval(study%reference%angle) < 1e-25_dp, &
          "the reference knows its own error")
-      if (allocated(error)) return
       call measure_order(study, 2, slope)
-      call check(error, abs(slope - 4) < 0.15_dp, "dmv4 has order 4")
-      if (allocated(error)) return
+      call expect(error, abs(slope - 4) < 0.15_dp, "dmv4 has order 4")
       call measure_order(study, 3, slope)
-      call check(error, abs(slope - 2) < 0.15_dp, "three-rotations has order 2")
-      if (allocated(error)) return
-      call check(error, minval(study%points%angle(worst), &
+      call expect(error, abs(slope - 2) < 0.15_dp, "three-rotations has order 2")
+      call expect(error, minval(study%points%angle(worst), &
          mask=study%points%candidate == 1) < 1e-13_dp, &
                  "exact is exact")
    end subroutine free_cost
@@ -238,21 +230,17 @@ contains
          "srkn4", "omelyan6"], &
                        study, error)
       if (allocated(error)) return
-      call check(error, maxval(abs(real(study%reference%state%y(:, 1), dp) - &
+      call expect(error, maxval(abs(real(study%reference%state%y(:, 1), dp) - &
          [1.922573381663007_dp, &
                        0.7720232344670848_dp, -0.2011054792035490_dp])) < 1e-13_dp, &
                           "published end of the top")
-      if (allocated(error)) return
-      call check(error, maxval(study%reference%angle) < 1e-12_dp, "two schemes agree")
-      if (allocated(error)) return
+      call expect(error, maxval(study%reference%angle) < 1e-12_dp, "two schemes agree")
       call measure_order(study, 1, slope)
-      call check(error, abs(slope - 2) < 0.15_dp, "strang has order 2")
-      if (allocated(error)) return
+      call expect(error, abs(slope - 2) < 0.15_dp, "strang has order 2")
       call measure_order(study, 2, slope)
-      call check(error, abs(slope - 4) < 0.3_dp, "srkn4 has order 4")
-      if (allocated(error)) return
+      call expect(error, abs(slope - 4) < 0.3_dp, "srkn4 has order 4")
       call measure_order(study, 3, slope)
-      call check(error, abs(slope - 6) < 0.4_dp, "omelyan6 has order 6")
+      call expect(error, abs(slope - 6) < 0.4_dp, "omelyan6 has order 6")
    end subroutine top_cost
 
    !> A study without times: it depends on no clock but the budget, which is ample.
@@ -308,9 +296,8 @@ contains
       call survey_scene(scene, kind, failure)
       call list_candidates(scene, kind, [character(24) :: "exakt"], any_name, list, &
          failure)
-      call check(error, raised(failure), "an unknown method")
-      if (allocated(error)) return
-      call check(error, index(failure%message, """exact""") > 0, "the nearest is named")
+      call expect(error, raised(failure), "an unknown method")
+      call expect(error, index(failure%message, """exact""") > 0, "the nearest is named")
    end subroutine unknown_names
 
    !> Three candidates by hand: one cheap and coarse, one better, one behind everywhere.
@@ -325,18 +312,16 @@ contains
       points%angle(middle) = [1e-2_dp, 1e-4_dp, 1e-3_dp, 1e-8_dp, 1e-3_dp, 1e-8_dp]
       points%momentum(middle) = points%angle(middle)
       call frontier(points, of_angle)
-      call check(error, all(points%front(of_angle) .eqv. [.true., .false., .true., .true., &
+      call expect(error, all(points%front(of_angle) .eqv. [.true., .false., .true., .true., &
                                                           .false., .false.]), &
                  "points that none beats")
-      if (allocated(error)) return
-      call check(error, cheapest(points, 1e-4_dp, of_both, middle) == 4 .and. &
+      call expect(error, cheapest(points, 1e-4_dp, of_both, middle) == 4 .and. &
                  cheapest(points, 1e-4_dp, of_both, middle, but=2) == 2 .and. &
                  cheapest(points, 1e-9_dp, of_both, middle) == 0, "cheapest within a tolerance")
-      if (allocated(error)) return
       call frontier_parts(points, 3, of_angle, parts)
-      call check(error, size(parts) == 2, "two names")
+      call expect(error, size(parts) == 2, "two names")
       if (allocated(error)) return
-      call check(error, all(parts%candidate == [1, 2]), "from coarse to fine")
+      call expect(error, all(parts%candidate == [1, 2]), "from coarse to fine")
    end subroutine names_of_frontier
 
    !> Two files with one line too many at their ends; the least time within a tolerance.
@@ -351,13 +336,13 @@ contains
       call put_file("build/test-rivals-2.csv", "name"//new_line("a")// &
          "verlet,0.1,1e-5,2e-5,1e-6,2e-6,70"//new_line("a")//"euler,1,1e-2,1,1e-3,1,40")
       call read_rivals("build/test-rivals-1.csv,,build/test-rivals-2.csv", points, failure)
-      call check(error, .not. raised(failure) .and. size(points) == 4, "four points")
+      call expect(error, .not. raised(failure) .and. size(points) == 4, "four points")
       if (allocated(error)) return
       call rival_names(points, names)
-      call check(error, size(names) == 2 .and. names(1) == "euler" .and. names(2) == "verlet", &
+      call expect(error, size(names) == 2 .and. names(1) == "euler" .and. names(2) == "verlet", &
          "two names")
       if (allocated(error)) return
-      call check(error, all(abs([rival_time(points, "euler", 0.01_dp) - 40, &
+      call expect(error, all(abs([rival_time(points, "euler", 0.01_dp) - 40, &
          rival_time(points, "euler", 0.005_dp) - 500, rival_time(points, "euler", 1e-4_dp), &
          rival_time(points, "verlet", 1e-5_dp) - 70, rival_time(points, "none", 1.0_dp)]) <= 0), &
          "the least time")
@@ -372,13 +357,13 @@ contains
       type(poinsot_error) :: failure
       integer :: i
       call read_rivals("build/no-such-file.csv", points, failure)
-      call check(error, failure%code, poinsot_e_io)
+      call expect(error, failure%code, poinsot_e_io)
       do i = 1, size(lines)
          if (allocated(error)) return
          call put_file(file, "name"//new_line("a")//trim(lines(i))//new_line("a"))
          failure = poinsot_error()
          call read_rivals(file, points, failure)
-         call check(error, failure%code == poinsot_e_io .and. &
+         call expect(error, failure%code == poinsot_e_io .and. &
             index(failure%message, file//":2") > 0, "taken: "//trim(lines(i)))
       end do
    end subroutine rivals_refused
@@ -404,13 +389,11 @@ contains
       study%points%angle(middle) = [1e-6_dp, 1e-10_dp, 1e-14_dp, 9e-15_dp, 2e-14_dp, 8e-15_dp, &
          1e-3_dp, 5e-4_dp, 2.8e-4_dp, 1.25e-4_dp, 1e-14_dp, 9e-15_dp, 2e-14_dp, 8e-15_dp]
       call find_curve(study, 1, of_angle, first, last)
-      call check(error, first == 1 .and. last == 3, "the floor is cut off")
-      if (allocated(error)) return
+      call expect(error, first == 1 .and. last == 3, "the floor is cut off")
       call find_curve(study, 2, of_angle, first, last)
-      call check(error, first == 7 .and. last == 10, "what still gains is kept")
-      if (allocated(error)) return
+      call expect(error, first == 7 .and. last == 10, "what still gains is kept")
       call find_curve(study, 3, of_angle, first, last)
-      call check(error, first == 11 .and. last == 14, "exact at any step is kept")
+      call expect(error, first == 11 .and. last == 14, "exact at any step is kept")
    end subroutine curve_ends
 
 end module test_study

@@ -1,7 +1,7 @@
 !> The Taylor integrator through plans: errors against tolerances, beside an independent solution in
 !> quadruple precision of (y, q) equations that share nothing with it; bits; statuses; hard bodies.
 module test_taylor
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_method, poinsot_e_step
@@ -12,6 +12,7 @@ module test_taylor
    use poinsot_taylor_basis, only: span_rows
    use poinsot_splitting_registry, only: splitting_flows
    use test_bodies, only: random_quaternion, random_stream, start_stream, uniform
+   use test_expectation, only: expect
    use test_oracle_algebra, only: cross, rotate_back
    use test_crowd, only: with_effect, turned_tensor
    implicit none(type, external)
@@ -305,22 +306,19 @@ contains
       end do
       do k = 1, size(tolerances)
          call taylor_plan(body, effects, tolerances(k), plan, problem)
-         call check(error, .not. raised(problem), what//": refused")
-         if (allocated(error)) return
+         call expect(error, .not. raised(problem), what//": refused")
          y = y0
          q = q0
          call go(plan, 0.0_dp, 1.5_dp, 0, 2, y, q, status, worst)
          gap = apart(y, q, yr, qr)
          allowed = 30*tolerances(k) + 2e-14_dp
          write (text, "(es9.2)") gap
-         call check(error, worst == poinsot_ok .and. gap <= allowed, what//": error"//text)
-         if (allocated(error)) return
+         call expect(error, worst == poinsot_ok .and. gap <= allowed, what//": error"//text)
          if (any(effects%name == "drag")) cycle
          call go(plan, 3.0_dp, -1.5_dp, 0, 2, y, q, status, worst)
          gap = apart(y, q, y0, q0)
          write (text, "(es9.2)") gap
-         call check(error, worst == poinsot_ok .and. gap <= 2*allowed, what//": back"//text)
-         if (allocated(error)) return
+         call expect(error, worst == poinsot_ok .and. gap <= 2*allowed, what//": back"//text)
       end do
    end subroutine judge
 
@@ -368,8 +366,7 @@ contains
          end do
          if (k == 1) call set_option(plan, "splitting", "taylor", problem)
          call make_ready(plan, problem)
-         call check(error, .not. raised(problem), "refused")
-         if (allocated(error)) return
+         call expect(error, .not. raised(problem), "refused")
          y = y0
          q = q0
          if (k == 1) call go(plan, 0.0_dp, 2.0_dp, 0, 1, y, q, status, worst)
@@ -378,7 +375,7 @@ contains
          yr = y
          qr = q
       end do
-      call check(error, apart(y, q, yr, qr) < 1e-10_dp, "another motion than by srkn6")
+      call expect(error, apart(y, q, yr, qr) < 1e-10_dp, "another motion than by srkn6")
    end subroutine test_tensor
 
    !> Ten steps are ten calls; one body alone, few and many: the same bits, at every place.
@@ -400,26 +397,22 @@ contains
             yr = y0
             qr = q0
             call go(plan, 0.1_dp, 0.7_dp, 0, 10, yr, qr, status, worst)
-            call check(error, worst, poinsot_ok, "a body failed")
-            if (allocated(error)) return
+            call expect(error, worst, poinsot_ok, "a body failed")
             y = y0
             q = q0
             do i = 0, 9
                call go(plan, 0.1_dp, 0.7_dp, i, 1, y, q, status, worst)
             end do
-            call check(error, all(y == yr) .and. all(q == qr), "ten calls")
-            if (allocated(error)) return
+            call expect(error, all(y == yr) .and. all(q == qr), "ten calls")
             y = y0(:, n:1:-1)
             q = q0(:, n:1:-1)
             call go(plan, 0.1_dp, 0.7_dp, 0, 10, y, q, status, worst)
-            call check(error, all(y == yr(:, n:1:-1)) .and. all(q == qr(:, n:1:-1)), "places")
-            if (allocated(error)) return
+            call expect(error, all(y == yr(:, n:1:-1)) .and. all(q == qr(:, n:1:-1)), "places")
             do i = 1, n, 3
                y = y0(:, i:i)
                q = q0(:, i:i)
                call go(plan, 0.1_dp, 0.7_dp, 0, 10, y, q, status(:1), worst)
-               call check(error, all(y(:, 1) == yr(:, i)) .and. all(q(:, 1) == qr(:, i)), "alone")
-               if (allocated(error)) return
+               call expect(error, all(y(:, 1) == yr(:, i)) .and. all(q(:, 1) == qr(:, i)), "alone")
             end do
          end do
       end do
@@ -439,7 +432,7 @@ contains
       y(:, 1) = [1.8_dp, 0.4_dp, -0.9_dp]
       q(:, 1) = [1, 0, 0, 0]
       call go(plan, 0.0_dp, 10.0_dp, 0, 1, y, q, status, worst)
-      call check(error, norm2(y(:, 1) - known) < 8e-15_dp, "not the published state")
+      call expect(error, norm2(y(:, 1) - known) < 8e-15_dp, "not the published state")
    end subroutine test_floor
 
    !> Spin along the vertical: the angle about it grows without bound, nothing else moves. At 1e-6
@@ -458,11 +451,10 @@ contains
          q(:, 1) = [1, 0, 0, 0]
          call go(plan, 0.0_dp, 100.0_dp, 0, 2, y, q, status, worst)
          angle = 600
-         call check(error, worst == poinsot_ok .and. abs(norm2(q) - 1) < 4e-16_dp .and. &
+         call expect(error, worst == poinsot_ok .and. abs(norm2(q) - 1) < 4e-16_dp .and. &
             abs(y(3, 1) - 3) <= 0 .and. abs(q(1, 1) - cos(angle)) < &
             1e-12_dp + 40*tolerances(k) .and. &
             abs(q(4, 1) - sin(angle)) < 1e-12_dp + 40*tolerances(k), "it does not sleep")
-         if (allocated(error)) return
       end do
    end subroutine test_sleeping
 
@@ -481,7 +473,7 @@ contains
       call go(plan, 0.0_dp, 12.0_dp, 0, 1, y, q, status, worst)
       energy = y(1, 1)**2/2 - 2*(sin(acos(-1.0_dp)/2)**2)*(q(2, 1)**2 + q(3, 1)**2) + &
          2*sin(angle/2)**2
-      call check(error, worst == poinsot_ok .and. abs(energy) < 1e-12_dp .and. &
+      call expect(error, worst == poinsot_ok .and. abs(energy) < 1e-12_dp .and. &
          maxval(abs(y(2:3, 1))) <= 0, "energy at the separatrix")
    end subroutine test_separatrix
 
@@ -512,7 +504,7 @@ contains
       do i = 1, 4
          call reference(fall, [0.9_dp, 0.9_dp, thin], 0.0_dp, 3.0_dp, yr(:, i), qr(:, i))
       end do
-      call check(error, worst == poinsot_ok .and. apart(y, q, yr, qr) < 2e-13_dp, "a thin body")
+      call expect(error, worst == poinsot_ok .and. apart(y, q, yr, qr) < 2e-13_dp, "a thin body")
    end subroutine judge_thin
 
    !> SI units of molecules, 1e70, 1e-70: powers of two change nothing, others rounding alone.
@@ -543,8 +535,7 @@ contains
             yr = y
             qr = q
          end if
-         call check(error, worst == poinsot_ok .and. all(y == yr) .and. all(q == qr), "units")
-         if (allocated(error)) return
+         call expect(error, worst == poinsot_ok .and. all(y == yr) .and. all(q == qr), "units")
       end do
    end subroutine test_units
 
@@ -565,19 +556,16 @@ contains
       y = y0
       q = q0
       call go(plan, 0.0_dp, 3.0_dp, 0, 2, y, q, status, worst)
-      call check(error, status(7) == poinsot_e_step .and. status(8) == poinsot_e_domain .and. &
+      call expect(error, status(7) == poinsot_e_step .and. status(8) == poinsot_e_domain .and. &
          count(status /= poinsot_ok) == 2, "statuses")
-      if (allocated(error)) return
-      call check(error, all(y(:, 7:8) == y0(:, 7:8)) .and. all(q(:, 7:8) == q0(:, 7:8)), "kept")
-      if (allocated(error)) return
-      call check(error, all(y(:, 9:) == yr(:, 9:)) .and. all(y(:, :6) == yr(:, :6)), "others")
-      if (allocated(error)) return
+      call expect(error, all(y(:, 7:8) == y0(:, 7:8)) .and. all(q(:, 7:8) == q0(:, 7:8)), "kept")
+      call expect(error, all(y(:, 9:) == yr(:, 9:)) .and. all(y(:, :6) == yr(:, :6)), "others")
       call taylor_plan(moments, [one_effect("gravity", "centre = 0, 0, 1; weight = 1e290")], &
          1e-12_dp, plan, problem)
       y = y0
       q = q0
       call go(plan, 0.0_dp, 1.0_dp, 0, 1, y, q, status, worst)
-      call check(error, all(status == poinsot_e_domain) .and. all(y == y0), "too strong")
+      call expect(error, all(status == poinsot_e_domain) .and. all(y == y0), "too strong")
    end subroutine test_limits
 
    subroutine test_refusals(error)
@@ -590,17 +578,15 @@ contains
       do i = 1, size(wrong)
          problem = poinsot_error()
          call set_option(plan, "tolerance", wrong(i), problem)
-         call check(error, problem%code, poinsot_e_domain, "tolerance "//wrong(i))
-         if (allocated(error)) return
+         call expect(error, problem%code, poinsot_e_domain, "tolerance "//wrong(i))
       end do
       call taylor_plan(moments, [one_effect("langevin", "friction = 0.1; temperature = 0.3")], &
          1e-12_dp, plan, problem)
-      call check(error, problem%code == poinsot_e_method .and. &
+      call expect(error, problem%code == poinsot_e_method .and. &
          index(problem%message, "langevin") > 0, "noise is taken")
-      if (allocated(error)) return
       problem = poinsot_error()
       call splitting_flows("taylor", kick, drift, problem)
-      call check(error, problem%code, poinsot_e_method, "flows of taylor")
+      call expect(error, problem%code, poinsot_e_method, "flows of taylor")
    end subroutine test_refusals
 
    !> Rows along one direction span one; small differences count.
@@ -612,13 +598,11 @@ contains
       n = 0
       rows = spread(e, 2, 3)*spread([1.0_dp, -3.0_dp, 1e-9_dp], 1, 3)
       call span_rows(rows, basis, n)
-      call check(error, n == 1 .and. abs(abs(dot_product(basis(:, 1), e)) - 1) < 1e-15_dp, "one")
-      if (allocated(error)) return
+      call expect(error, n == 1 .and. abs(abs(dot_product(basis(:, 1), e)) - 1) < 1e-15_dp, "one")
       rows(2, 2) = rows(2, 2) + 1e-11_dp
       n = 0
       call span_rows(rows, basis, n)
-      call check(error, n, 2, "two")
-      if (allocated(error)) return
+      call expect(error, n, 2, "two")
       rows(1, 3) = 1e-3_dp
       n = 0
       call span_rows(rows, basis, n)
@@ -626,7 +610,7 @@ contains
       do i = 1, 3
          gram(i, i) = gram(i, i) - 1
       end do
-      call check(error, n == 3 .and. maxval(abs(gram)) < 1e-15_dp, "three")
+      call expect(error, n == 3 .and. maxval(abs(gram)) < 1e-15_dp, "three")
    end subroutine test_rank
 
 end module test_taylor

@@ -1,6 +1,6 @@
 !> The page that shows a motion: its data as JSON, which outputs it keeps, an old page made anew.
 module test_view
-   use testdrive, only: new_unittest, unittest_type, error_type, check
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_scene_build, only: build_scene
@@ -36,7 +36,7 @@ contains
    !> Nothing ends the element early, nothing ends the text.
    subroutine test_text(error)
       type(error_type), allocatable, intent(out) :: error
-      call check(error, quoted_json("a""b\c</script>&" // achar(10) // "`$(x)'"), &
+      call expect(error, quoted_json("a""b\c</script>&" // achar(10) // "`$(x)'"), &
          """a\u0022b\u005Cc\u003C/script\u003E\u0026\u000A`$(x)'""")
    end subroutine test_text
 
@@ -108,7 +108,7 @@ contains
          from = from + index(page(from:), """name"": """)
          if (index("0123456789", page(from + 8:from + 8)) > 0) bodies = bodies + 1
       end do
-      call check(error, bodies, 40)
+      call expect(error, bodies, 40)
       call expect(error, len(page) < 400000, "a long page of many bodies")
       from = index(page, """t"": [")
       call expect(error, index(page(from:from + index(page(from:), "]")), ",1000]") > 0, "no end")
@@ -137,7 +137,7 @@ contains
          call run_scene(scene, folder // "/" // name, watch, report, failure)
       end if
       if (raised(failure)) then
-         call check(error, .false., failure%message)
+         call expect(error, .false., failure%message)
          return
       end if
       call slurp(folder // "/" // name // "/view.html", page)
