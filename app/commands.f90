@@ -52,7 +52,7 @@ contains
       end select
       if (is_option(name)) then
          call print_error("unknown option '" // name // "'; there are --help and --version, " // &
-                       "others stand behind a command")
+                       "others follow a command")
          code = exit_usage
          return
       else if (.not. any(table%name == name)) then

@@ -37,7 +37,7 @@ contains
       end do
       fine = size(words%at) <= most
       if (.not. fine) then
-         call print_error(command // ": '" // words%at(most + 1)%text // "' is one too many")
+         call print_error(command // ": unexpected argument '" // words%at(most + 1)%text // "'")
       end if
    end function fine
 
@@ -140,7 +140,7 @@ contains
 
    !> A group by name; complains itself.
    subroutine find_group(what, name, info, i)
-      character(*), intent(in) :: what            !! a name that is none
+      character(*), intent(in) :: what            !! an unknown name
       character(*), intent(in) :: name
       type(effect_info), intent(out) :: info
       integer, intent(out) :: i                   !! its number; 0: there is none

@@ -60,7 +60,7 @@ contains
          name = words%at(i)%text
          if (.not. is_option(name)) then
             if (len(first) > 0 .or. .not. present(only)) then
-               call print_error(command // ": '" // name // "' is one too many")
+               call print_error(command // ": unexpected argument '" // name // "'")
                return
             end if
             first = name

@@ -39,8 +39,8 @@ contains
          name = words%at(i)%text
          if (.not. is_option(name)) then
             good = len(options%scene) == 0
-            if (.not. good) call print_error(command // ": one scene at a time; '" // name // &
-               "' is a second one")
+            if (.not. good) call print_error(command // ": one scene at a time; unexpected '" // &
+               name // "'")
             options%scene = name
             cycle
          end if
@@ -160,7 +160,7 @@ contains
          if (good) good = values(i) >= least .and. values(i) <= most
       end do
       if (good) return
-      call print_error(command // ": " // option // " " // text // " is no number, or no list " // &
+      call print_error(command // ": " // option // " " // text // " is neither a number nor a list " // &
                     "a,b,c, from " // text_of(least) // " to " // text_of(most))
    end subroutine numbers_in
 

@@ -99,7 +99,7 @@ contains
          if (.not. is_option(name)) then
             good = len(options%scene) == 0
             if (.not. good) then
-               call print_error("run: one scene at a time; '" // name // "' is a second one")
+               call print_error("run: one scene at a time; unexpected '" // name // "'")
             end if
             options%scene = name
             cycle
@@ -205,7 +205,7 @@ contains
       rows = size(scene%output%bodies)
       if (size(scene%output%bodies) == 0) rows = real(body_total(scene), dp)
       rows = rows*output_count(scene)
-      call say(scene%file // ": the scene is right")
+      call say(scene%file // ": scene OK")
       call say("   bodies   " // text_of(body_total(scene)))
       if (is_auto(scene)) then
          call say("   steps    chosen at the start, for tol = " // text_of(scene%tol))

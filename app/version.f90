@@ -24,7 +24,7 @@ contains
       call say("openmp:   " // trim(merge("yes", "no ", openmp)))
    end subroutine show_version
 
-   !> The flags that somebody chose: without folders, and without what -march stands for, which
+   !> The flags that were chosen: without folders, and without what -march stands for, which
    !> gfortran spells out.
    pure function chosen(flags) result(short)
       character(*), intent(in) :: flags

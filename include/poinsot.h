@@ -62,7 +62,7 @@ enum {
 /* 10000 major + 100 minor + patch. */
 int poinsot_version(void);
 
-/* What a status means: constant text, never NULL, also for a number that is none. */
+/* What a status means: constant text, never NULL, also for an unknown number. */
 const char *poinsot_status_text(poinsot_status status);
 
 /* 1 if the build has a feature, else 0: "openmp", "lapack"; "release" (compiled with -O2 or -O3: another build is up to 20 times

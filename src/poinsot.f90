@@ -1,4 +1,4 @@
-!> The front door for Fortran: `use poinsot`. Names and meaning as in C (include/poinsot.h); errors
+!> The public module for Fortran: `use poinsot`. Names and meaning as in C (include/poinsot.h); errors
 !> come back in `error`.
 !>
 !>     type(poinsot_body) :: body

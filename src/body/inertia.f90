@@ -92,7 +92,7 @@ contains
          moments = 0
          axes = identity_matrix
       else
-         call settle_axes(moments, axes)
+         call resolve_axes(moments, axes)
       end if
    end subroutine principal_axes
 
@@ -165,7 +165,7 @@ contains
    end subroutine clean_moments
 
    !> Choose signs, handedness, and the axes that equal moments leave free.
-   pure subroutine settle_axes(moments, axes)
+   pure subroutine resolve_axes(moments, axes)
       real(dp), intent(in) :: moments(3)
       real(dp), intent(inout) :: axes(3, 3)
       logical :: lower_pair, upper_pair
@@ -183,7 +183,7 @@ contains
       axes(:, 1) = largest_positive(axes(:, 1))
       axes(:, 2) = largest_positive(axes(:, 2))
       axes(:, 3) = unit_vector(cross(axes(:, 1), axes(:, 2)))
-   end subroutine settle_axes
+   end subroutine resolve_axes
 
    !> The unit vector normal to n and nearest to one of the given axes: the one most normal to n,
    !> lowest index in a tie.

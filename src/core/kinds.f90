@@ -1,4 +1,4 @@
-!> Kinds and the one size that every room shares.
+!> Kinds and the one size that all modules share.
 module poinsot_core_kinds
    use, intrinsic :: iso_fortran_env, only: real32, real64, real128, real_kinds, int32, int64
    implicit none(type, external)

@@ -1,7 +1,7 @@
 !> The one loop over bodies: chunks handed to threads, blocks loaded, worked on, stored.
 !>
 !> What is done to a block is a `block_job`; the loop knows nothing of it. Threads start once per
-!> call, however many steps the job makes. Inside somebody else's parallel region the loop runs
+!> call, however many steps the job makes. Inside a parallel region of the host the loop runs
 !> serial.
 module poinsot_ensemble_drive
    use poinsot_core_kinds, only: lanes

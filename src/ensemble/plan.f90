@@ -285,7 +285,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       refused = plan%ready
       if (refused) call raise(error, poinsot_e_domain, &
-         "plan: it is ready, and cannot be changed any more")
+         "plan: it is ready and can no longer be changed")
    end function refused
 
 end module poinsot_ensemble_plan

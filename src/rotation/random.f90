@@ -68,7 +68,7 @@ contains
       end do
    end subroutine philox4x32
 
-   !> The same for every lane of a block: rounds outside, so that the loop over lanes makes a vector.
+   !> The same for every lane of a block: rounds outside, so that the loop over lanes is vectorised.
    pure subroutine philox_block(key, counter, word)
       integer(i8), intent(in) :: key(2)            !! key words, as above
       integer(i8), intent(in) :: counter(lanes, 4) !! counter words

@@ -96,7 +96,7 @@ contains
       call relabel(group, "shape", error)
    end subroutine from_shape
 
-   !> An error of the body room, with the place in front.
+   !> An error of the body modules, with the place in front.
    subroutine relabel(group, key, error)
       type(typed_group), intent(in) :: group
       character(*), intent(in) :: key

@@ -169,7 +169,7 @@ contains
       report%splitting = scene%splitting
       if (is_auto(scene)) then
          call raise(error, poinsot_e_method, &
-                    scene%file // ": 'auto' is to be settled before the run (poinsot_study_auto)")
+                    scene%file // ": 'auto' must be resolved before the run (poinsot_study_auto)")
          return
       end if
       call first_states(scene, run%states, error)

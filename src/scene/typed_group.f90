@@ -174,7 +174,7 @@ contains
       do i = 1, entry%count
          if (entry%values(i)%kind /= value_null .and. entry%values(i)%kind /= value_number) then
             call reject_key(typed, item%key, "takes numbers; " // quoted(entry%values(i)%text) // &
-                          " is none", error)
+                          " is not a number", error)
             return
          end if
          do j = 1, entry%values(i)%repeats

@@ -38,7 +38,7 @@ module poinsot_study_cost_data
       type(rival_point), allocatable :: rivals(:) !! other integrators, from files; size 0: none
       logical :: conserves = .false.              !! the scene keeps its energy
       real(dp) :: seconds = 0                     !! spent
-      logical :: stopped = .false.                !! somebody asked to stop
+      logical :: stopped = .false.                !! interrupted by the user
    end type cost_study
 
 end module poinsot_study_cost_data

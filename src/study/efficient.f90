@@ -10,11 +10,11 @@ module poinsot_study_efficient
    real(dp), parameter :: coarsest = 0.3_dp, finest = 1e-17_dp
    real(dp), parameter :: grid = 1.2589254117941673_dp !! ten tolerances a decade
 
-   !> A stretch of tolerances and who is cheapest there.
+   !> A range of tolerances and who is cheapest there.
    type :: frontier_part
       integer :: candidate = 0
       real(dp) :: from = 0, to = 0   !! errors, coarse to fine
-      integer :: point = 0           !! its point in the middle of the stretch
+      integer :: point = 0           !! its point in the middle of the range
    end type frontier_part
 
 contains

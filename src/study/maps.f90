@@ -105,10 +105,10 @@ contains
    !> Y = alpha y + Y x e, e = (h/2) Y/It, by Newton's method from the fixed point; y' = y +
    !> (2/alpha) Y x e, q' = q o (1, e)/|(1, e)|; alpha = 1 + |e|^2, or 1 for the midpoint rule.
    !> Vilmart (2013), Algorithm 3 and Remark 4.
-   subroutine cayley_step(inverse, h, stretched, y, q, ok)
+   subroutine cayley_step(inverse, h, scaled_step, y, q, ok)
       type(dual), intent(in) :: inverse(3)
       real(qp), intent(in) :: h
-      logical, intent(in) :: stretched
+      logical, intent(in) :: scaled_step
       type(dual), intent(inout) :: y(3), q(4)
       logical, intent(out) :: ok
       type(dual), dimension(3) :: mean, e, rate, f, change
@@ -120,13 +120,13 @@ contains
          e = rate*mean
          norm = 1.0_qp + (e(1)*e(1) + e(2)*e(2) + e(3)*e(3))
          alpha = constant(1.0_qp)
-         if (stretched) alpha = norm
+         if (scaled_step) alpha = norm
          f = mean - alpha*y - cross(mean, e)
          do j = 1, 3
             unit = constant(0.0_qp)
             unit(j) = constant(1.0_qp)
             slope(:, j) = unit - cross(unit, e) - cross(mean, rate(j)*unit)
-            if (stretched) slope(:, j) = slope(:, j) - (2.0_qp*(rate(j)*e(j)))*y
+            if (scaled_step) slope(:, j) = slope(:, j) - (2.0_qp*(rate(j)*e(j)))*y
          end do
          change = solve(slope, f)
          mean = mean - change
@@ -136,7 +136,7 @@ contains
       ok = norm2(change%v) <= 1e-28_qp*norm2(mean%v) .and. norm%v < 2
       if (.not. ok) return
       alpha = constant(1.0_qp)
-      if (stretched) alpha = norm
+      if (scaled_step) alpha = norm
       y = y + (2.0_qp*cross(mean, e))/alpha
       q = dual_product(q, [constant(1.0_qp), e])/sqrt(norm)
    end subroutine cayley_step

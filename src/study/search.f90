@@ -146,7 +146,7 @@ contains
       end if
    end subroutine try_steps
 
-   !> Time per unit of simulated time, in units that all racers share.
+   !> Time per unit of simulated time, in units that all candidates share.
    pure real(dp) function cost_of(one, multiple)
       type(contender), intent(in) :: one
       integer(i8), intent(in) :: multiple

@@ -549,8 +549,8 @@ contains
          do l = 1, d_width
             i = a%body(l, b)
             if (i == 0 .or. abs(a%left(l, b)) > 0) cycle
-            call settle(a%y(l, :, b), a%y_carry(l, :, b))
-            call settle(a%q(l, :, b), a%q_carry(l, :, b))
+            call absorb_carry(a%y(l, :, b), a%y_carry(l, :, b))
+            call absorb_carry(a%q(l, :, b), a%q_carry(l, :, b))
             if (.not. keep) then
                a%y_carry(l, :, b) = 0
                a%q_carry(l, :, b) = 0
@@ -572,13 +572,13 @@ contains
    end subroutine finish
 
    !> A carry of more than rounding goes into its number.
-   elemental subroutine settle(x, carry)
+   elemental subroutine absorb_carry(x, carry)
       real(dp), intent(inout) :: x, carry
       real(dp) :: s
       s = x + carry
       carry = carry - (s - x)
       x = s
-   end subroutine settle
+   end subroutine absorb_carry
 
    !> A lane at rest, which can do no harm.
    pure subroutine idle(l, b, a)

@@ -112,7 +112,7 @@ contains
          parts%body = parts%body(:0)
          parts%table = parts%table(:0)
       end if
-      call settle_fixed(parts)
+      call resolve_fixed(parts)
       call build_basis(class, parts, problem)
       call fill_directions(class, parts, problem)
       call fill_times(class, parts, problem)
@@ -199,23 +199,23 @@ contains
    end subroutine choose_unit
 
    !> A direction that does not turn stands where its phase has brought it.
-   pure subroutine settle_fixed(parts)
+   pure subroutine resolve_fixed(parts)
       type(torque_terms), intent(inout) :: parts
       integer :: i
       do i = 1, size(parts%linear)
-         call settle(parts%linear(i)%e)
+         call resolve(parts%linear(i)%e)
       end do
       do i = 1, size(parts%quadratic)
-         call settle(parts%quadratic(i)%e)
+         call resolve(parts%quadratic(i)%e)
       end do
    contains
-      pure subroutine settle(e)
+      pure subroutine resolve(e)
          type(space_direction), intent(inout) :: e
          if (turns(e)) return
          if (abs(e%phase) > 0) e%at = turned(e%at, e%axis, e%phase)
          e%phase = 0
-      end subroutine settle
-   end subroutine settle_fixed
+      end subroutine resolve
+   end subroutine resolve_fixed
 
    pure logical function turns(e)
       type(space_direction), intent(in) :: e

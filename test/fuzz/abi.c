@@ -118,7 +118,7 @@ static void states(void) {
 }
 
 static void judge_status(poinsot_status s) {
-  if (s < 0 || s > POINSOT_E_AXIS_MOMENTUM) wrong("a status that is none");
+  if (s < 0 || s > POINSOT_E_AXIS_MOMENTUM) wrong("an unknown status");
   if (s != POINSOT_OK && s != POINSOT_E_PARTIAL && s != POINSOT_E_CALLBACK &&
       (memcmp(y, y_before, sizeof y) || memcmp(q, q_before, sizeof q) || memcmp(carry, carry0, sizeof carry)))
     wrong("refused, and an array has changed");
@@ -130,7 +130,7 @@ static void judge_rows(size_t n, const int *classes, poinsot_status s) {
   int bad = 0;
   if (s != POINSOT_OK && s != POINSOT_E_PARTIAL) return;
   for (i = 0; i < n; i++) {
-    if (each[i] < 0 || each[i] > POINSOT_E_AXIS_MOMENTUM) wrong("a body's status that is none");
+    if (each[i] < 0 || each[i] > POINSOT_E_AXIS_MOMENTUM) wrong("an unknown status of a body");
     if (each[i] != POINSOT_OK) {
       bad = 1;
       if (memcmp(y + 3 * i, y_before + 3 * i, 3 * sizeof *y) || memcmp(q + 4 * i, q_before + 4 * i, 4 * sizeof *q))
@@ -145,7 +145,7 @@ static void judge_rows(size_t n, const int *classes, poinsot_status s) {
     for (j = 0; j < 3; j++)
       if (!isfinite(y[3 * i + j])) wrong("a momentum that is not finite, and no status");
     for (j = 0; j < 4; j++)
-      if (!isfinite(q[4 * i + j]) || fabs(q[4 * i + j]) > 1.00001) wrong("an attitude that is none, and no status");
+      if (!isfinite(q[4 * i + j]) || fabs(q[4 * i + j]) > 1.00001) wrong("an attitude that is not a unit quaternion, and no status");
   }
   if (bad != (s == POINSOT_E_PARTIAL)) wrong("the statuses of the bodies are not that of the call");
 }
@@ -159,7 +159,7 @@ static int push(void *context, double t, size_t n, const double *const at[4], pt
   for (i = 0; i < n; i++) {
     norm = at[0][i * q_stride] * at[0][i * q_stride] + at[1][i * q_stride] * at[1][i * q_stride] +
            at[2][i * q_stride] * at[2][i * q_stride] + at[3][i * q_stride] * at[3][i * q_stride];
-    if (!(fabs(norm - 1) < 1e-4)) wrong("the callback sees an attitude that is none");
+    if (!(fabs(norm - 1) < 1e-4)) wrong("the callback sees an attitude that is not a unit quaternion");
     g[0][i * stride] = 0.1 * at[1][i * q_stride];
     g[2][i * stride] = -0.2;
   }
