@@ -160,8 +160,8 @@ contains
          if (good) good = values(i) >= least .and. values(i) <= most
       end do
       if (good) return
-      call print_error(command // ": " // option // " " // text // " is neither a number nor a list " // &
-                    "a,b,c, from " // text_of(least) // " to " // text_of(most))
+      call print_error(command // ": " // option // " " // text // " is neither a number " // &
+                    "nor a list a,b,c, from " // text_of(least) // " to " // text_of(most))
    end subroutine numbers_in
 
    !> "a,b,c" as words.
