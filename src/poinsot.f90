@@ -1,5 +1,5 @@
-!> The public module for Fortran: `use poinsot`. Names and meaning as in C (include/poinsot.h); errors
-!> come back in `error`.
+!> The public module for Fortran: `use poinsot`. Names and meaning as in C (include/poinsot.h);
+!> errors come back in `error`.
 !>
 !>     type(poinsot_body) :: body
 !>     type(poinsot_error) :: error

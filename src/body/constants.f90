@@ -9,6 +9,7 @@
 !> units of molecules (1e-46 kg m^2) cost nothing. Choices are masks: a lane's bits depend on that
 !> lane alone.
 module poinsot_body_constants
+   use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_body_moments, only: moment_tolerance
    use poinsot_body_series_start, only: start_degree, start_series
@@ -40,7 +41,6 @@ module poinsot_body_constants
    end type lane_constants
 
    real(dp), parameter :: least_reach = 0.0127_dp !! of any body with b, c <= 1: .113^2
-   integer(i8), parameter :: exponent_bits = 9218868437227405312_i8
    integer(i8), parameter :: top_exponent = 9214364837600034816_i8 !! of 2**1023
    integer(i8), parameter :: least = shiftl(30_i8, 52), greatest = shiftl(2016_i8, 52)
 

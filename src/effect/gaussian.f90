@@ -5,6 +5,7 @@
 !> Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011), then Box and Muller (1958) with 32-bit uniforms:
 !> the largest possible value is 6.66.
 module poinsot_effect_gaussian
+   use poinsot_core_constants, only: pi
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_elliptic_elementary, only: log_block, sincos_block
    use poinsot_rotation_random, only: philox_block, stream_noise
@@ -26,7 +27,7 @@ contains
       real(dp), intent(out) :: xi(lanes, 3)   !! the numbers
       integer(i8) :: counter(lanes, 4), word(lanes, 4), tag
       real(dp), dimension(lanes) :: u, angle, r1, r2, s, c
-      real(dp), parameter :: unit = 2.0_dp**(-32), two_pi = 6.2831853071795865_dp
+      real(dp), parameter :: unit = 2.0_dp**(-32)
       tag = ior(iand(shiftr(step, 32), low16), shiftl(int(stream_noise + half, i8), 16))
       counter(:, 1) = iand(id, low32)
       counter(:, 2) = shiftr(id, 32)
@@ -39,11 +40,11 @@ contains
       call log_block(u, r2)
       r1 = sqrt(-2*r1)
       r2 = sqrt(-2*r2)
-      angle = (real(word(:, 2), dp) + 0.5_dp)*(unit*two_pi)
+      angle = (real(word(:, 2), dp) + 0.5_dp)*(unit*(2*pi))
       call sincos_block(angle, s, c)
       xi(:, 1) = r1*c
       xi(:, 2) = r1*s
-      angle = (real(word(:, 4), dp) + 0.5_dp)*(unit*two_pi)
+      angle = (real(word(:, 4), dp) + 0.5_dp)*(unit*(2*pi))
       call sincos_block(angle, s, c)
       xi(:, 3) = r2*c
    end subroutine gaussian_block

@@ -5,13 +5,12 @@
 !> domain, infinite or NaN: NaN.
 module poinsot_elliptic_complete
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use poinsot_core_constants, only: pi
    use poinsot_core_kinds, only: dp
    use poinsot_elliptic_carlson, only: carlson_rd, carlson_rf, carlson_rj
    implicit none(type, external)
    private
    public :: complete_k, complete_e, complete_pi, complete_parameter, parameter_of
-
-   real(dp), parameter :: half_pi = 1.5707963267948966_dp
 
 contains
 
@@ -35,7 +34,7 @@ contains
          a = a - c
          if (b > a) b = a
       end do
-      r = half_pi/(0.5_dp*(a + b))
+      r = pi/2/(0.5_dp*(a + b))
    end function complete_k
 
    !> E(m) = m1 (R_D(0, m1, 1) + R_D(0, 1, m1))/3.
@@ -74,7 +73,7 @@ contains
       q = (better - n)/(1.0_dp - n)
       p = b/(1.0_dp - n)
       if (n < far) then ! p R_J(0, b, 1, p) = 3/2 pi sqrt(p/b) (1 - O(sqrt(p/b)))
-         part = half_pi/sqrt(1.0_dp - n)
+         part = pi/2/sqrt(1.0_dp - n)
       else if (b < 1.0e-200_dp) then ! p might be subnormal
          part = root_up*((up*b)/(1.0_dp - n)) &
             *carlson_rj(0.0_dp, up*b, up, (up*b)/(1.0_dp - n))/3.0_dp

@@ -7,6 +7,7 @@
 !> an exception; so does every element while the thread does not round to nearest.
 module poinsot_elliptic_jacobi
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use poinsot_core_constants, only: pi
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_elliptic_elementary, only: atan2_block
@@ -16,7 +17,6 @@ module poinsot_elliptic_jacobi
    public :: jacobi_functions, jacobi_am
    public :: jacobi_array, jacobi_am_array
 
-   real(dp), parameter :: pi = 3.141592653589793_dp
 
 contains
 

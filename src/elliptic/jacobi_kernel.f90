@@ -9,13 +9,13 @@
 !> reduced in double-double, so that |u| = 1e6 loses nothing but what the rounding of u itself
 !> costs. Products are made exact by splitting: no fused multiply-add is needed.
 module poinsot_elliptic_jacobi_kernel
+   use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: dp, i8, group, groups, lanes
    implicit none(type, external)
    private
    public :: jacobi_block
 
    integer(i8), parameter :: fraction_bits = 4503599627370495_i8
-   integer(i8), parameter :: exponent_bits = 9218868437227405312_i8
    integer(i8), parameter :: two_exponents = 9214364837600034816_i8
    integer(i8), parameter :: two52_bits = 4841369599423283200_i8
    integer(i8), parameter :: root_half = 4604544271217802189_i8

@@ -5,6 +5,7 @@
 !> or NaN: NaN. Every function takes m1 = 1 - m too, for m so near 1 that m alone cannot say it.
 module poinsot_elliptic_legendre
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
+   use poinsot_core_constants, only: pi
    use poinsot_core_kinds, only: dp
    use poinsot_core_libm, only: arctangent, cosine, sine
    use poinsot_elliptic_carlson, only: carlson_rc, carlson_rd, carlson_rf, carlson_rj
@@ -16,7 +17,6 @@ module poinsot_elliptic_legendre
    public :: legendre_f_sine, legendre_e_sine, legendre_pi_sine
    public :: inverse_sn, inverse_cn, inverse_dn
 
-   real(dp), parameter :: pi = 3.141592653589793_dp
    real(dp), parameter :: largest = 1.0e15_dp !! amplitudes beyond it have no phase left
 
 contains

@@ -6,6 +6,7 @@
 !> written back.
 module poinsot_ensemble_block
    use, intrinsic :: iso_c_binding, only: c_int
+   use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_not_finite, &
@@ -37,7 +38,6 @@ module poinsot_ensemble_block
    real(dp), parameter :: axis_rounding = 1e-14_dp !! of that, what turning there and back leaves
 
    integer(i8), parameter :: two = transfer(2.0_dp, 1_i8)
-   integer(i8), parameter :: exponent_bits = int(z'7FF0000000000000', i8)
 
 contains
 

@@ -11,6 +11,7 @@
 !> are held by masks, so a lane's bits depend on that lane alone. Momenta are divided by a power of
 !> two near |y|, moments by one near the largest.
 module poinsot_free_jacobi_solution
+   use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_status, only: poinsot_e_step
    use poinsot_body_class, only: body_class
@@ -26,7 +27,6 @@ module poinsot_free_jacobi_solution
    integer(i8), parameter :: longest_exponent = 60_i8 !! the same, roughly, as a power of two
    real(dp), parameter :: tail = 340.0_dp             !! phase at which cn and dn are as good as 0
    real(dp), parameter :: tail_square = 4.7e-295_dp   !! and their squares there, 4 exp(-2 tail)
-   integer(i8), parameter :: exponent_bits = 9218868437227405312_i8
    integer(i8), parameter :: top26 = not(134217727_i8)             !! keeps 26 significant bits
    integer(i8), parameter :: top_exponent = 9214364837600034816_i8 !! of 2**1023
 

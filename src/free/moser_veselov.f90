@@ -7,6 +7,7 @@
 !> - theta) R, R) (mathematics, section 2). Differences of modified moments are formed as sums of
 !> small terms, so that nearly linear, nearly symmetric and flat bodies lose no digits.
 module poinsot_free_moser_veselov
+   use poinsot_core_constants, only: quarter_turn
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_lanes, only: largest, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
@@ -16,9 +17,6 @@ module poinsot_free_moser_veselov
    implicit none(type, external)
    private
    public :: moser_veselov_increment, midpoint_increment
-
-   real(dp), parameter :: quarter_turn = 1.5707963267948966_dp !! h |omega| beyond which there is no
-                                                               !! root |e| < 1
 
    !> Newton sweeps that reach rounding from the predictor: 1, 2, 3, 4, 7, for (h |omega|)^2 up to
    !> each of these bounds and beyond. With z = h |omega|/2 the predictor is good to z^5, and a

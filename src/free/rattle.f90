@@ -17,6 +17,7 @@
 !> each step, first order in its defect: y goes through Q^T P twice a step, and a defect that stays
 !> would make |y| drift linearly.
 module poinsot_free_rattle
+   use poinsot_core_constants, only: quarter_turn
    use poinsot_core_kinds, only: dp, i8, group, groups, lanes
    use poinsot_core_lanes, only: largest, smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
@@ -28,7 +29,6 @@ module poinsot_free_rattle
    public :: rattle_increment, rattle_start, rattle_finish
    public :: second_moments, to_matrices, from_matrices, body_momentum
 
-   real(dp), parameter :: quarter_turn = 1.5707963267948966_dp
 
    !> Newton sweeps that reach rounding, from e = z: 2 up to the first of these (h |omega|)^2, 3 up
    !> to the second, ...

@@ -5,6 +5,7 @@
 !> with the smallest |1/Ia - 1/Ib| is the symmetric one, so that the method is exact for any two
 !> equal moments. Vilmart (2013), Algorithm 2 with the corrections of mathematics, section 1.
 module poinsot_free_split_rotations
+   use poinsot_core_constants, only: quarter_turn
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_lanes, only: largest
    use poinsot_core_status, only: poinsot_e_step
@@ -15,7 +16,6 @@ module poinsot_free_split_rotations
    private
    public :: three_rotations_increment, symmetric_rotation_increment
 
-   real(dp), parameter :: quarter_turn = 1.5707963267948966_dp
 
 contains
 

@@ -6,6 +6,7 @@
 !> (identity, gimbal lock) gets a fixed choice.
 module poinsot_rotation_conversions
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use poinsot_core_constants, only: pi
    use poinsot_core_kinds, only: dp
    use poinsot_core_libm, only: arctangent, cosine, sine
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
@@ -19,7 +20,6 @@ module poinsot_rotation_conversions
    public :: from_cayley, to_cayley, from_euler, to_euler
    public :: euler_axes, attitude_of_euler, euler_of_attitude
 
-   real(dp), parameter :: pi = acos(-1._dp)
 
    !> Below this sine of half the angle, what distinguishes the first from the third Euler angle is
    !> rounding noise.

@@ -5,6 +5,7 @@
 !> (Vilmart's review, "Quaternion implementation"; its "iq_2" is a misprint for j q2).
 module poinsot_rotation_quaternion
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use poinsot_core_constants, only: pi
    use poinsot_core_kinds, only: dp
    use poinsot_core_libm, only: arctangent, cosine, exponential, logarithm, &
       logarithm_1p, sine
@@ -27,7 +28,6 @@ module poinsot_rotation_quaternion
    !> refused.
    real(dp), parameter :: unit_tolerance = 1e-6_dp
 
-   real(dp), parameter :: pi = acos(-1._dp)
 
 contains
 

@@ -5,6 +5,7 @@
 !> key, the counter holds body, step and stream. 32-bit words live in 64-bit integers with masks, so
 !> nothing wraps.
 module poinsot_rotation_random
+   use poinsot_core_constants, only: pi
    use poinsot_core_kinds, only: dp, i4, i8, lanes
    use poinsot_core_libm, only: cosine, logarithm, sine
    use poinsot_rotation_vector, only: unit_vector
@@ -27,7 +28,6 @@ module poinsot_rotation_random
    integer(i8), parameter :: weyl(2) = [int(z"9E3779B9", i8), int(z"BB67AE85", i8)]
    integer, parameter :: rounds = 10
 
-   real(dp), parameter :: two_pi = 2*acos(-1._dp)
 
 contains
 
@@ -125,7 +125,7 @@ contains
       real(dp) :: g(2)
       real(dp) :: u(2)
       u = random_uniform(seed, id, step, stream)
-      g = sqrt(-2*logarithm(u(1)))*[cosine(two_pi*u(2)), sine(two_pi*u(2))]
+      g = sqrt(-2*logarithm(u(1)))*[cosine(2*pi*u(2)), sine(2*pi*u(2))]
    end function random_gaussian
 
    !> An attitude, uniform over all rotations (K. Shoemake, Graphics Gems III, 1992).
@@ -135,7 +135,7 @@ contains
       real(dp) :: q(4)
       real(dp) :: u(2), turn(2)
       u = random_uniform(seed, id, 0_i8, stream_attitude)
-      turn = two_pi*random_uniform(seed, id, 0_i8, stream_attitude + 1_i4)
+      turn = 2*pi*random_uniform(seed, id, 0_i8, stream_attitude + 1_i4)
       q(1:2) = sqrt(1 - u(1))*[sine(turn(1)), cosine(turn(1))]
       q(3:4) = sqrt(u(1))*[sine(turn(2)), cosine(turn(2))]
       q = normalise(q)
@@ -149,7 +149,7 @@ contains
       real(dp) :: u(2), z
       u = random_uniform(seed, id, 0_i8, stream_direction)
       z = 2*u(1) - 1
-      v = unit_vector([sqrt((1 - z)*(1 + z))*[cosine(two_pi*u(2)), sine(two_pi*u(2))], z])
+      v = unit_vector([sqrt((1 - z)*(1 + z))*[cosine(2*pi*u(2)), sine(2*pi*u(2))], z])
    end function random_direction
 
 end module poinsot_rotation_random

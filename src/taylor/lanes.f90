@@ -2,6 +2,7 @@
 !> and time. A lane that is done takes the next body; nothing a lane does depends on another.
 module poinsot_taylor_lanes
    use, intrinsic :: iso_c_binding, only: c_loc, c_f_pointer, c_intptr_t
+   use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: sp, dp, i4, i8
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_step
    use poinsot_effect_geometry, only: turned
@@ -17,7 +18,7 @@ module poinsot_taylor_lanes
       s_extras => lane_extras, s_series_one => series_one, s_series_two => series_two, &
       s_fill_cosine => fill_cosine, s_horner_vector => horner_vector, &
       s_horner_angle => horner_angle, s_turn_one => turn_one, s_turn_two => turn_two
-   use poinsot_taylor_lanes_common, only: fastest, slowest, exponent_bits, two_ones, smallest, &
+   use poinsot_taylor_lanes_common, only: fastest, slowest, two_ones, smallest, &
       one_bits, per_bit, bits_per, longest_turn, almost_one, most_parts, grid_bits, grid_limit
    implicit none(type, external)
    private

@@ -3,12 +3,11 @@ module poinsot_taylor_lanes_common
    use poinsot_core_kinds, only: sp, dp, i8
    implicit none(type, external)
    private
-   public :: fastest, slowest, exponent_bits, two_ones, smallest, one_bits, per_bit, bits_per, &
+   public :: fastest, slowest, two_ones, smallest, one_bits, per_bit, bits_per, &
       longest_turn, almost_one, most_parts, grid_bits, grid_limit
 
    real(dp), parameter :: fastest = 2.0_dp**232         !! rates from here on are looked at
    real(dp), parameter :: slowest = 2.0_dp**(-900)      !! no rate of scaled time is below this
-   integer(i8), parameter :: exponent_bits = int(z'7FF0000000000000', i8)
    !> Bits of 1/x are these less those of x, for a power of two x.
    integer(i8), parameter :: two_ones = int(z'7FE0000000000000', i8)
 
