@@ -3,7 +3,7 @@
 Momenta y have the shape (n, 3), or (3,) for one body, attitudes q (n, 4) or (4,): unit quaternions, scalar first, body to
 space. Calls that turn bodies do it in the caller's arrays. Classes of bodies are counted from 0.
 """
-from . import elliptic
+from . import elliptic, quaternion
 from ._body import Body
 from ._library import Error, Status, has_feature, splitting_flows, version
 from ._library import names as _names
@@ -11,7 +11,7 @@ from ._plan import Plan
 from ._scene import Choice, Cost, Run, choose, cost, run
 
 __all__ = ["Body", "Choice", "Cost", "Error", "Plan", "Run", "Status", "choose", "cost", "effects", "elliptic", "has_feature",
-           "methods", "run", "splitting_flows", "splittings"]
+           "methods", "quaternion", "run", "splitting_flows", "splittings"]
 __version__ = version()
 
 

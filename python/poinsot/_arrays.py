@@ -79,9 +79,15 @@ def read(name: str, values: Any, shape: tuple[int, ...], dtype: Any = np.float64
         limits = np.iinfo(dtype)
         if array.min() < limits.min or array.max() > limits.max:
             raise ValueError(f"{name} must be from {limits.min} to {limits.max}")
+    return np.ascontiguousarray(array if np.issubdtype(dtype, np.integer) else real(name, array), dtype=dtype)
+
+
+def real(name: str, values: Any) -> np.ndarray:
+    """Real numbers of any shape as float64."""
+    array = np.asarray(values)
     if np.issubdtype(array.dtype, np.complexfloating):
         raise TypeError(f"{name} must be real, not {array.dtype}")
-    return np.ascontiguousarray(array, dtype=dtype)
+    return np.asarray(array, dtype=np.float64)
 
 
 def written(name: str, array: np.ndarray, shape: tuple[int, ...], dtype: Any) -> np.ndarray:

@@ -103,8 +103,26 @@ _signatures: dict[str, tuple[Any, ...]] = {  # result, then arguments
     "energy": (c.c_int, pointer, c.POINTER(Bodies), c.c_double, pointer, pointer),
     "momentum": (c.c_int, pointer, c.POINTER(Bodies), pointer),
     "degrees_of_freedom": (c.c_int, pointer, c.POINTER(Bodies), c.POINTER(c.c_size_t)),
-    "jacobi": (c.c_int, c.c_size_t, pointer, pointer, pointer, pointer, pointer, pointer),
+    "moments_check": (c.c_int, pointer, text, c.c_size_t),
+    "inertia_check": (c.c_int, pointer, text, c.c_size_t),
+    "inertia_of_points": (c.c_int, c.c_size_t, pointer, pointer, pointer, pointer),
+    "principal_axes": (c.c_int, pointer, pointer, pointer),
+    "quaternion_from_euler": (c.c_int, c.c_size_t, text, pointer, pointer),
+    "quaternion_to_euler": (c.c_int, c.c_size_t, text, pointer, pointer),
+    "quaternion_random": (c.c_int, c.c_size_t, c.c_int64, pointer),
 }
+
+#: Functions of n elements by how many arrays they have: a status, (n, arrays, ...).
+_of_arrays = {
+    2: ["quaternion_" + name for name in ("conjugate", "inverse", "normalize", "exp", "log", "to_matrix", "from_matrix", "nearest",
+                                          "from_rotation_vector", "to_rotation_vector", "from_cayley", "to_cayley")],
+    3: ["elliptic_k", "elliptic_e", "carlson_rc", *("quaternion_" + name for name in (
+        "multiply", "rotate", "rotate_back", "from_axis_angle", "to_axis_angle", "shortest_arc", "distance"))],
+    4: ["jacobi_am", "elliptic_pi", "elliptic_f", "elliptic_e_incomplete", "carlson_rf", "carlson_rd", "quaternion_slerp"],
+    5: ["elliptic_pi_incomplete", "carlson_rj"],
+    6: ["jacobi"],
+}
+_signatures.update({name: (c.c_int, c.c_size_t, *[pointer]*k) for k, several in _of_arrays.items() for name in several})
 
 
 def package_file(*patterns: str) -> Optional[Path]:
@@ -164,6 +182,13 @@ def sentence(function: Any, *arguments: Any) -> str:
     if length >= len(buffer):
         buffer = c.create_string_buffer(length + 1)
         function(*arguments, buffer, len(buffer))
+    return buffer.value.decode(errors="replace")
+
+
+def sentence_of_status(function: Any, *arguments: Any) -> str:
+    """The same of a function that returns a status."""
+    buffer = c.create_string_buffer(1024)
+    function(*arguments, buffer, len(buffer))
     return buffer.value.decode(errors="replace")
 
 

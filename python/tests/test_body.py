@@ -150,3 +150,51 @@ def test_other_threads_run_meanwhile(crowd):
         stop.set()
         thread.join()
     assert counted[0] > before + 1
+
+
+def test_points():
+    """Eight equal masses on the corners of a box: I1 = 8 m (b^2 + c^2) and so on, wherever it stands."""
+    a, b, c = 3.0, 2.0, 1.0
+    corners = np.array([[x, y, z] for x in (-a, a) for y in (-b, b) for z in (-c, c)])
+    turn, _ = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))
+    body = poinsot.Body.from_points(np.full(8, 0.5), corners @ turn.T + [10, 20, 30])
+    assert body.moments == pytest.approx([4*(b*b + c*c), 4*(a*a + c*c), 4*(a*a + b*b)], rel=1e-14)
+    assert body.centre == pytest.approx([10, 20, 30], rel=1e-15) and body.mass == 4
+    inside = (corners @ turn.T) @ body.axes
+    assert np.allclose(np.sort(abs(inside), axis=0), np.sort(abs(corners), axis=0), atol=1e-13)
+    for other in (copy.copy(body), pickle.loads(pickle.dumps(body))):
+        assert (other.axes == body.axes).all() and (other.centre == body.centre).all()
+
+
+def test_points_on_a_line():
+    body = poinsot.Body.from_points([1, 1], [[0, 0, 0], [2, 2, 1]])
+    assert body.moments.tolist() == [0, body.moments[1], body.moments[1]] and body.moments[1] == pytest.approx(4.5, rel=1e-15)
+    y, q = body.rotate(np.array([0.0, 0.6, -0.8]), np.array([1.0, 0, 0, 0]), 3.0)
+    assert y == pytest.approx([0, 0.6, -0.8], abs=1e-15)
+
+
+@pytest.mark.parametrize("mass, x, error, words", [
+    ([1, -1], [[0, 0, 0], [1, 0, 0]], poinsot.Error, "zero or positive"),
+    ([0, 0], [[0, 0, 0], [1, 0, 0]], poinsot.Error, "not all zero"),
+    ([1], [[1, 2, 3]], poinsot.Error, "a point does not turn"),
+    ([1, 1, 1], [[0, 0, 0], [1, 0, 0]], ValueError, r"mass must have the shape \(2,\)"),
+    ([1, 1], [[0, 0], [1, 0]], ValueError, r"x must have the shape \(2, 3\)"),
+    ([], np.empty((0, 3)), ValueError, "at least one"),
+])
+def test_points_that_are_no_body(mass, x, error, words):
+    with pytest.raises(error, match=words):
+        poinsot.Body.from_points(mass, x)
+
+
+def test_moments_are_those_of_the_class():
+    """Of a linear body exactly zero, as the library takes it."""
+    turn, _ = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))
+    tensor = turn @ np.diag([0, 1.0, 1.0]) @ turn.T
+    assert poinsot.Body.from_tensor((tensor + tensor.T)/2).moments[0] == 0
+
+
+def test_sentences():
+    with pytest.raises(poinsot.Error, match="30"):
+        poinsot.Body([1, 2, 30])
+    with pytest.raises(poinsot.Error, match="symmetric"):
+        poinsot.Body.from_tensor([[1, 0, 0], [0.5, 1, 0], [0, 0, 1]])
