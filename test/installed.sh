@@ -80,6 +80,15 @@ with_shared() {
 same_top() {
    with_shared "$1" "$2" >"$work/top" && cat "$work/top" && tail -n 1 "$work/top" | grep -q "4.2050000000000.* 0.925740 *-0.351491 *0.102184 *-0.094964"
 }
+one_turn() { with_shared "$1" "$2" | tee "$work/turn" && grep -q "period  *13.640624" "$work/turn" && [ "$(grep -c ': *T' "$work/turn")" = 2 ]; }
+# docs/functions.md names all that the two modules of functions have, and C's functions of arrays.
+functions_page() {
+   { sed 's/ *!.*//; /^ *use /!{/^      /!d;}; s/.*only: *//; s/=>[^,&]*//g' src/rotation.f90 src/elliptic.f90 | tr -d '& ' | tr ',' '\n'
+     sed -n 's/^poinsot_status poinsot_\(quaternion_\)*\(.*\)(size_t n, .*/\2/p' $header
+   } | grep . | grep -v '^poinsot_' | sort -u >"$work/functions"
+   [ "$(grep -c . "$work/functions")" -gt 80 ] || return 1
+   while IFS= read -r name; do grep -q "\`\(poinsot_\)*$name[\`(]" docs/functions.md || { echo "docs/functions.md: no $name"; return 1; }; done <"$work/functions"
+}
 legacy_md() { PKG_CONFIG_PATH=$prefix/lib/pkgconfig test/legacy_md.sh "$work/legacy_md"; }
 other_compiler() {
    "$FC" -fsyntax-only -std=f2008 -pedantic -Wall -J $work/build "$prefix/include/poinsot_interface.f90" &&
@@ -247,6 +256,8 @@ fi
 if have pkg-config; then
    expect "example-c" same_top "-std=c99 -pedantic -Wall -Wextra -Werror" example/c/heavy_top.c
    expect "example-fortran" same_top "" example/fortran/heavy_top.f90
+   expect "example-functions-c" one_turn "-std=c99 -pedantic -Wall -Wextra -Werror" example/c/one_turn.c
+   expect "example-functions-fortran" one_turn "" example/fortran/one_turn.f90
    expect "example-fixed-form" with_shared "" example/fixed/molecules.f
    expect "example-legacy-md" legacy_md
    if have c++; then
@@ -272,6 +283,7 @@ if have pkg-config; then
    fi
 fi
 expect "other-compiler" other_compiler
+expect "functions-page" functions_page
 if has_numpy; then
    expect "example-python" in_python example/python/free_body.py "$work/free_body.png"
    expect "example-python-cost" in_python example/python/what_accuracy_costs.py "$work/cost.png" 3s
