@@ -69,13 +69,14 @@ contains
       integer, intent(out) :: code         !! exit code
       type(splitting) :: scheme
       type(poinsot_error) :: error
-      character(18) :: name
-      character(8) :: order, stages, gradients
+      character(17) :: name
+      character(7) :: order, stages
+      character(11) :: gradients
       integer :: i
       code = exit_usage
       if (.not. fine("splittings", words, 0)) return
       code = exit_ok
-      call say("splitting         order   turns   gradients  source")
+      call say("splitting        order  turns  gradients  what it is for; source")
       do i = 1, splitting_count()
          name = splitting_name(i)
          call find_splitting(trim(name), scheme, error)
@@ -87,10 +88,11 @@ contains
             stages = "-"
             gradients = "-"
          end if
-         call say(name // order // stages // gradients // "   " // trim(scheme%author) // ", " // &
-                  text_of(scheme%year))
+         call say(name // order // stages // gradients // trim(scheme%purpose) // "; " // &
+                  trim(scheme%author) // ", " // text_of(scheme%year))
       end do
-      call say("auto              -       -       -          the cheapest that meets &scene tol")
+      name = "auto"
+      call say(name // "-      -      -          the cheapest that meets &scene tol")
    end subroutine command_splittings
 
    !> poinsot effects [NAME]

@@ -70,7 +70,7 @@ const char *poinsot_status_text(poinsot_status status);
  * levels of an installation was loaded. NULL and unknown names: 0. */
 int poinsot_has_feature(const char *name);
 
-/* Free methods, splittings and effects by number from 0: constant texts, NULL past the end. */
+/* Free methods, splittings and effects by number from 0: constant texts, "" for a number not given, NULL past the end. */
 size_t poinsot_method_count(void);
 const char *poinsot_method_name(size_t i);
 size_t poinsot_splitting_count(void);

@@ -21,7 +21,8 @@ module test_ensemble
    use poinsot_rotation_conversions, only: to_matrix
    use poinsot_rotation_quaternion, only: quaternion_conjugate, quaternion_product, &
       rotate, rotate_back
-   use poinsot_splitting_registry, only: splitting_count, splitting_name, splitting_names
+   use poinsot_splitting_registry, only: splitting_count, splitting_name, &
+      numbered_splittings, numbered_splitting, numbered_count
    use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, &
       same_bits, turned_tensor
    use test_ensemble_bits, only: collect_bits
@@ -61,7 +62,8 @@ contains
          new_unittest("callback-stops", test_stop), &
          new_unittest("plan-refuses", test_refusals), &
          new_unittest("settings-in-a-text", test_settings), &
-         new_unittest("names-are-those-of-the-rows", test_names)]
+         new_unittest("names-are-those-of-the-rows", test_names), &
+         new_unittest("public-numbers", test_numbers)]
       call collect_bits(bits)
       call collect_every(every)
       testsuite = [testsuite, bits, every]
@@ -570,12 +572,29 @@ contains
    subroutine test_names(error)
       type(error_type), allocatable, intent(out) :: error
       integer :: i
-      do i = 1, splitting_count()
-         call expect(error, splitting_names(i), splitting_name(i), "splitting_names")
-      end do
       do i = 1, effect_count
          call expect(error, trim(effect_names(i)), effect_name(i), "effect_names")
       end do
    end subroutine test_names
+
+   !> Public numbers are ABI: what a number means stays, wherever its row stands. New ones are added
+   !> at the end.
+   subroutine test_numbers(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(20), parameter :: splittings(16) = [character(20) :: "strang", "forest-ruth", &
+         "suzuki4", "yoshida6", "mclachlan4", "srkn4", "srkn6", "chin4", "omelyan4", "omelyan6", &
+         "omelyan8", "takahashi-imada", "taylor", "", "saba864", "saba1064"] ! 14: baoab
+      integer :: i
+      do i = 1, size(splittings)
+         if (splittings(i) == "") cycle
+         call expect(error, numbered_splitting(i), trim(splittings(i)), "a splitting's number")
+      end do
+      do i = 1, splitting_count()
+         call expect(error, count(numbered_splittings == splitting_name(i)), 1, &
+            "not one number: "//splitting_name(i))
+      end do
+      call expect(error, count(numbered_splittings /= ""), splitting_count(), "shared numbers")
+      call expect(error, numbered_splitting(0)//numbered_splitting(numbered_count() + 1), "")
+   end subroutine test_numbers
 
 end module test_ensemble

@@ -11,7 +11,7 @@ module poinsot_api_library
       poinsot_e_size
    use poinsot_effect_registry, only: effect_names
    use poinsot_free_method, only: method_names
-   use poinsot_splitting_registry, only: splitting_names, splitting_flows
+   use poinsot_splitting_registry, only: numbered_splittings, splitting_flows
    implicit none(type, external)
    private
 
@@ -24,9 +24,9 @@ module poinsot_api_library
    character(length, c_char), target, save :: no_text = "unknown status"//c_null_char
    character(length, c_char), target, save :: methods(size(method_names)) = &
       [character(length, c_char) :: (trim(method_names(i))//c_null_char, i=1, size(method_names))]
-   character(length, c_char), target, save :: splittings(size(splitting_names)) = &
-      [character(length, c_char) :: (trim(splitting_names(i))//c_null_char, i=1, &
-         size(splitting_names))]
+   character(length, c_char), target, save :: splittings(size(numbered_splittings)) = &
+      [character(length, c_char) :: (trim(numbered_splittings(i))//c_null_char, i=1, &
+         size(numbered_splittings))]
    character(length, c_char), target, save :: effects(size(effect_names)) = &
       [character(length, c_char) :: (trim(effect_names(i))//c_null_char, i=1, size(effect_names))]
 

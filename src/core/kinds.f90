@@ -1,9 +1,9 @@
-!> Kinds and the one size that all modules share.
+!> Kinds and the sizes that all modules share.
 module poinsot_core_kinds
    use, intrinsic :: iso_fortran_env, only: real32, real64, real128, real_kinds, int32, int64
    implicit none(type, external)
    private
-   public :: sp, dp, qp, i4, i8, lanes, group, groups
+   public :: sp, dp, qp, i4, i8, lanes, group, groups, name_length
 
    integer, parameter :: sp = real32  !! single precision: hosts that store it, never our arithmetic
    integer, parameter :: dp = real64  !! working precision
@@ -21,4 +21,7 @@ module poinsot_core_kinds
    !> the same bits.
    integer, parameter :: group = 8
    integer, parameter :: groups = lanes/group
+
+   !> Of the names of methods, splittings and effects, everywhere.
+   integer, parameter :: name_length = 24
 end module poinsot_core_kinds

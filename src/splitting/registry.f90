@@ -5,11 +5,11 @@ module poinsot_splitting_registry
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
    use poinsot_splitting_tableaux, only: splitting, splitting_names => scheme_names, &
-      scheme_count, scheme_row
+      numbered_splittings => numbered_names, scheme_count, scheme_row
    implicit none(type, external)
    private
    public :: is_table, splitting_names, splitting_count, splitting_name, find_splitting, &
-      splitting_flows, achieved_order
+      numbered_splittings, numbered_count, numbered_splitting, splitting_flows, achieved_order
 
 contains
 
@@ -26,16 +26,26 @@ contains
       is_table = .not. row%adaptive
    end function is_table
 
-   !> Name of splitting i, 1 to splitting_count; "" outside.
+   !> Name of the splitting in row i, 1 to splitting_count, as people see them listed; "" outside.
    pure function splitting_name(i) result(name)
       integer, intent(in) :: i
       character(:), allocatable :: name
-      type(splitting) :: row
       name = ""
-      if (i < 1 .or. i > scheme_count) return
-      row = scheme_row(i)
-      name = trim(row%name)
+      if (i >= 1 .and. i <= scheme_count) name = trim(splitting_names(i))
    end function splitting_name
+
+   !> The highest public number of a splitting.
+   pure integer function numbered_count()
+      numbered_count = size(numbered_splittings)
+   end function numbered_count
+
+   !> Name of the splitting of public number i, from 1; "" for a number that none has.
+   pure function numbered_splitting(i) result(name)
+      integer, intent(in) :: i
+      character(:), allocatable :: name
+      name = ""
+      if (i >= 1 .and. i <= size(numbered_splittings)) name = trim(numbered_splittings(i))
+   end function numbered_splitting
 
    !> A splitting by name; POINSOT_E_METHOD, naming the nearest known one, if there is none of that
    !> name.
@@ -43,16 +53,14 @@ contains
       character(*), intent(in) :: name
       type(splitting), intent(out) :: scheme !! its table
       type(poinsot_error), intent(inout) :: error
-      character(len(scheme%name)) :: names(scheme_count)
       integer :: i
       do i = 1, scheme_count
-         names(i) = splitting_name(i)
-         if (names(i) /= name) cycle
+         if (splitting_names(i) /= name) cycle
          scheme = scheme_row(i)
          return
       end do
       call raise(error, poinsot_e_method, "unknown splitting '" // trim(name) // "'" // &
-                 suggestion(name, names))
+                 suggestion(name, splitting_names))
    end subroutine find_splitting
 
    !> One step of a splitting as pairs of flows, for a host that moves more than attitudes and so

@@ -23,8 +23,6 @@ module poinsot_study_hard
       "dmv8", "dmv16", "dmv24", "midpoint", "three-rotations", "symmetric-rotation", "rattle"]
    character(7), parameter :: heads(11) = [character(7) :: "exact", "jacobi", "dmv2", "dmv4", &
       "dmv8", "dmv16", "dmv24", "midpnt", "three", "symrot", "rattle"]
-   character(7), parameter :: scheme_heads(12) = [character(7) :: "strang", "forest", "suzuki4", &
-      "yoshi6", "mclach4", "srkn4", "srkn6", "chin4", "omely4", "omely6", "omely8", "takaha"]
 
 contains
 
@@ -134,22 +132,25 @@ contains
       end do
    end subroutine show_promises
 
+   !> A line for each splitting, so that there is room for any number of them.
    subroutine show_tops(unit, rows)
       integer, intent(in) :: unit
       type(hard_row), intent(in) :: rows(:)
-      character(20) :: schemes(size(scheme_heads))
+      character(8) :: cells(size(top_names))
       character(120) :: line
-      integer :: k
-      do k = 1, size(schemes)
-         schemes(k) = splitting_name(k)
-      end do
+      integer :: i, k
       call write_line(unit, "")
       call write_line(unit, "Tops and fields by every splitting, with the exact rotor, in 1e-16:")
       call write_line(unit, "")
-      write (line, "(11x, *(1x, a7))") adjustr(scheme_heads)
+      write (line, "(19x, *(1x, a8))") (adjustr(top_names(k)(:8)), k=1, size(top_names))
       call write_line(unit, line)
-      do k = 1, size(top_names)
-         call write_line(unit, table_line(top_names(k), rows, schemes, ""))
+      do i = 1, splitting_count()
+         if (.not. is_table(i)) cycle
+         do k = 1, size(top_names)
+            cells(k) = cell(rows(find_row(rows, top_names(k), splitting_name(i), "")))
+         end do
+         write (line, "(a, t20, *(1x, a8))") splitting_name(i), cells
+         call write_line(unit, line)
       end do
       call write_line(unit, "")
       do k = 1, size(top_names)

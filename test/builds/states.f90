@@ -15,7 +15,8 @@ program states
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_ensemble_bodies, only: body_view, view_rows
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_effect, make_ready, set_option
+   use poinsot_ensemble_compose, only: make_ready
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_effect, set_option
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_free_method, only: method_count, method_name
    use poinsot_splitting_registry, only: splitting_count, splitting_name
