@@ -174,7 +174,7 @@ contains
          "   --threads N            threads (default: as many as OpenMP offers)", &
          "   --set GROUP.KEY=VALUE  a setting over the file's own, as often as wanted:", &
          "                          --set scene.h=0.05 --set bodies.y=0,0.6,-0.8", &
-         "                          bodies(2).KEY names the second &bodies group", &
+         "                          bodies(2).KEY names the second &bodies group; so with effects", &
          "   --check                check the scene, say what it would do, run nothing", &
          "   --no-pictures          write the plot scripts, do not run gnuplot", &
          "   --no-view              no view.html", &

@@ -3,6 +3,8 @@ module test_scene
    use testdrive, only: new_unittest, unittest_type, error_type, test_failed, skip_test
    use test_expectation, only: expect
    use test_scene_files, only: collect_scene_files
+   use test_scene_beginnings, only: collect_scene_beginnings
+   use test_scene_groups, only: collect_scene_groups
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene, poinsot_e_partial
@@ -50,8 +52,10 @@ contains
 
    subroutine collect_scene(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: files(:)
+      type(unittest_type), allocatable :: files(:), groups(:), beginnings(:)
       call collect_scene_files(files)
+      call collect_scene_groups(groups)
+      call collect_scene_beginnings(beginnings)
       testsuite = [ &
          new_unittest("numbers-as-text", test_numbers), &
          new_unittest("reader-values", test_values), &
@@ -76,7 +80,7 @@ contains
          new_unittest("output-refused", test_output_refused), &
          new_unittest("command-line", test_golden), &
          new_unittest("keys-documented", test_keys), &
-         files]
+         files, groups, beginnings]
    end subroutine collect_scene
 
    !> A scene from its text.

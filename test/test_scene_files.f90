@@ -9,22 +9,21 @@ module test_scene_files
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_drift, only: drift_watch, start_drift, follow_drift
-   use poinsot_scene_files, only: file_exists, make_folder, real_path
+   use poinsot_scene_files, only: file_exists, real_path
    use poinsot_scene_folder, only: folder_lock, lock_folder, unlock_folder
    use poinsot_scene_reader, only: scan_source
-   use poinsot_scene_run, only: run_scene, check_scene
+   use poinsot_scene_run, only: check_scene
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_source, only: scene_source
    use poinsot_scene_states, only: body_states, first_states
    use poinsot_scene_summary, only: run_report
    use poinsot_scene_table, only: read_table
    use poinsot_scene_watch, only: run_watch
+   use test_scene_tools, only: output, nl, empty_folder, put_text, get_text, run_text
    implicit none(type, external)
    private
    public :: collect_scene_files
 
-   character, parameter :: nl = achar(10)
-   character(*), parameter :: output = "build/test-output/"
    character(*), parameter :: body = "&bodies moments=0.6,0.8,1.0 y=1.8,0.4,-0.9 /"
    character(*), parameter :: quiet = "&scene t_end=1 h=0.1 /" // body
    character(*), parameter :: written = quiet // "&output every=0.5 /"
@@ -60,62 +59,6 @@ contains
       end associate
       stop_now = .true.
    end function stop_now
-
-   !> An empty folder of the test output.
-   subroutine empty_folder(name)
-      character(*), intent(in) :: name
-      type(poinsot_error) :: failure
-      integer :: state
-      call execute_command_line("rm -rf " // output // name, exitstat=state)
-      call make_folder(output // name, failure)
-   end subroutine empty_folder
-
-   subroutine put_text(path, text)
-      character(*), intent(in) :: path, text
-      integer :: unit
-      open (newunit=unit, file=path, access="stream", form="unformatted", status="replace", &
-            action="write")
-      write (unit) text
-      close (unit)
-   end subroutine put_text
-
-   subroutine get_text(path, text)
-      character(*), intent(in) :: path
-      character(:), allocatable, intent(out) :: text
-      integer :: unit, length, code
-      open (newunit=unit, file=path, access="stream", form="unformatted", status="old", &
-            action="read", iostat=code)
-      length = 0
-      if (code == 0) inquire (unit=unit, size=length)
-      allocate (character(length) :: text)
-      if (length > 0) read (unit) text
-      if (code == 0) close (unit)
-   end subroutine get_text
-
-   !> Run a scene, given by its text, into a folder.
-   subroutine run_text(text, folder, failure, file, report, watch)
-      character(*), intent(in) :: text, folder
-      type(poinsot_error), intent(inout) :: failure
-      character(*), intent(in), optional :: file
-      type(run_report), intent(out), optional :: report
-      class(run_watch), intent(inout), optional :: watch
-      type(scene_source) :: source
-      type(scene_settings) :: scene
-      type(run_watch) :: patient
-      type(run_report) :: here
-      character(:), allocatable :: name
-      name = "test.nml"
-      if (present(file)) name = file
-      call scan_source(text, name, source, failure)
-      if (.not. raised(failure)) call build_scene(source, scene, failure)
-      if (raised(failure)) return
-      if (present(watch)) then
-         call run_scene(scene, output // folder, watch, here, failure)
-      else
-         call run_scene(scene, output // folder, patient, here, failure)
-      end if
-      if (present(report)) report = here
-   end subroutine run_text
 
    subroutine still_mine(error, path)
       type(error_type), allocatable, intent(inout) :: error

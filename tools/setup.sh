@@ -237,7 +237,8 @@ private_fpm_needed() { ! is_fpm "$tools/bin/fpm" && ! { have fpm && is_fpm fpm; 
 
 # fpm of the PATH before the private one; tools/bin/fpm is what the scripts call.
 fpm_needs() {
-   if have fpm && is_fpm fpm; then
+   # a wrapper that calls itself would never end
+   if have fpm && is_fpm fpm && ! [ "$(command -v fpm)" -ef $tools/bin/fpm ]; then
       grep -qsF "exec '$(command -v fpm)'" $tools/bin/fpm || say "using fpm of the PATH: $(command -v fpm)"
       wrapper fpm "exec '$(command -v fpm)' \"\$@\""
       return

@@ -9,14 +9,17 @@ module poinsot_scene_bodies
       random_thermal
    use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
       integer_of, reject_key
-   use poinsot_rotation_quaternion, only: quaternion_product, unit_tolerance
+   use poinsot_rotation_quaternion, only: quaternion_product, rotate_back, unit_tolerance
+   use poinsot_scene_attitude, only: build_attitude, make_unit
    use poinsot_scene_inertia, only: find_moments
+   use poinsot_scene_states_file, only: read_states
+   use poinsot_scene_table, only: file_beside
    implicit none(type, external)
    private
    public :: build_bodies, add_rotors
 
    real(dp), parameter :: axis_slack = 1e-6_dp !! momentum about a zero moment, relative to |y|
-   real(dp), parameter :: largest_slack = 1e-3_dp !! of |q|: what three or four digits lose
+   integer(i8), parameter :: most_bodies = 2000000000_i8
 
 contains
 
@@ -27,8 +30,10 @@ contains
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)
       bodies%line = group%line
-      call integer_of(group, "count", 1_i8, 2000000000_i8, bodies%count, error)
+      call integer_of(group, "count", 1_i8, most_bodies, bodies%count, error)
+      if (.not. raised(error)) call build_lattice(group, bodies, error)
       if (.not. raised(error)) call find_moments(group, bodies, error)
+      if (.not. raised(error) .and. given(group, "file")) call build_states(group, bodies, error)
       if (.not. raised(error)) call build_random(group, bodies, error)
       if (.not. raised(error)) call build_attitude(group, bodies, error)
       if (.not. raised(error)) call build_momentum(group, bodies, error)
@@ -59,69 +64,28 @@ contains
       else if (bodies%temperature < 0) then
          call reject_key(group, "temperature", "= " // text_of(bodies%temperature) // &
                        " must not be negative", error)
-      else if (bodies%random /= random_none .and. given(group, "q")) then
-         call reject_key(group, "q", "is given, and random = '" // word_of(group, "random") // &
-                       "' asks for random attitudes; leave one of them out", error)
       else if (bodies%random == random_thermal .and. &
-               (given(group, "y") .or. given(group, "omega"))) then
+               (given(group, "y") .or. given(group, "omega") .or. given(group, "y_space"))) then
          call reject_key(group, "random", &
-                       "= 'thermal' draws the momenta; leave y and omega out", error)
+                       "= 'thermal' draws the momenta; leave y, omega and y_space out", error)
       end if
    end subroutine build_random
 
-   !> q: a unit quaternion, or one with few digits, which is made one.
-   subroutine build_attitude(group, bodies, error)
-      type(typed_group), intent(in) :: group
-      type(body_group), intent(inout) :: bodies
-      type(poinsot_error), intent(inout) :: error
-      real(dp), allocatable :: q(:)
-      real(dp) :: largest, norm, off
-      character(11) :: digits
-      call numbers_of(group, "q", q)
-      largest = maxval(abs(q))
-      if (largest <= 0) then
-         call reject_key(group, "q", "is zero; no rotation is 1, 0, 0, 0", error)
-         return
-      end if
-      norm = norm2(q/largest)
-      off = norm*min(largest, 2.0_dp) - 1
-      if (abs(off) > unit_tolerance) then
-         write (digits, "(es9.2e2)") abs(off)
-         if (largest > 2) digits = "more than 1"
-         if (largest > 2 .or. abs(off) > largest_slack) then
-            call reject_key(group, "q", "is not a unit quaternion, its length is off 1 by " // &
-                       trim(adjustl(digits)) // "; up to 1e-3 is divided out, which makes it " // &
-                       text_of(q/largest/norm), error)
-            return
-         end if
-         q = q/largest/norm
-         bodies%note = place(group%file, group%line) // "&bodies: q was off unit length by " // &
-                       trim(adjustl(digits)) // "; used is " // text_of(q)
-      end if
-      bodies%q = q
-      if (bodies%turned) bodies%q = quaternion_product(q, bodies%frame)
-   end subroutine build_attitude
-
-   !> y or omega, zero about an axis without inertia.
+   !> y, omega or y_space, zero about an axis without inertia.
    subroutine build_momentum(group, bodies, error)
       type(typed_group), intent(in) :: group
       type(body_group), intent(inout) :: bodies
       type(poinsot_error), intent(inout) :: error
-      real(dp), allocatable :: given_vector(:)
+      real(dp), allocatable :: values(:)
       real(dp) :: vector(3)
       character(:), allocatable :: key
-      integer :: j
-      if (given(group, "y") .and. given(group, "omega")) then
-         call reject_key(group, "omega", "and y are both given; leave one of them out", error)
-         return
-      end if
-      key = "y"
-      if (given(group, "omega")) key = "omega"
-      if (.not. given(group, key)) return
-      call numbers_of(group, key, given_vector)
-      vector = given_vector
-      if (bodies%turned) vector = matmul(transpose(bodies%axes), vector)
-      if (key == "omega") then
+      call find_momentum(group, key, error)
+      if (raised(error) .or. key == "") return
+      call numbers_of(group, key, values)
+      vector = values
+      select case (key)
+      case ("omega")
+         if (bodies%turned) vector = matmul(transpose(bodies%axes), vector)
          if (any(abs(vector) > 1e150_dp .and. bodies%moments > 1e150_dp)) then
             call reject_key(group, key, "times the moments is beyond the range of numbers", error)
             return
@@ -129,20 +93,170 @@ contains
          bodies%y = bodies%moments*vector ! and the rotor's, which is not known yet
          bodies%from_omega = .true.
          return
+      case ("y_space")
+         if (bodies%random /= random_none) then
+            call drawn_attitudes(group, bodies, vector, error)
+            return
+         end if
+         vector = rotate_back(bodies%q, vector)
+      case default
+         if (bodies%turned) vector = matmul(transpose(bodies%axes), vector)
+      end select
+      call drop_idle(bodies%moments, vector, bodies%y, values)
+      if (size(values) > 0) call reject_key(group, key, idle_words(values), error)
+   end subroutine build_momentum
+
+   !> Which of the three keys says the momentum; "" for none.
+   subroutine find_momentum(group, key, error)
+      type(typed_group), intent(in) :: group
+      character(:), allocatable, intent(out) :: key
+      type(poinsot_error), intent(inout) :: error
+      character(*), parameter :: ways(3) = [character(7) :: "y", "omega", "y_space"]
+      integer :: i
+      key = ""
+      do i = 1, size(ways)
+         if (.not. given(group, trim(ways(i)))) cycle
+         if (key /= "") then
+            call reject_key(group, trim(ways(i)), "and " // key // &
+               " are both given; leave one of them out", error)
+            return
+         end if
+         key = trim(ways(i))
+      end do
+   end subroutine find_momentum
+
+   !> One momentum in space for bodies whose attitudes are drawn.
+   subroutine drawn_attitudes(group, bodies, y_space, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(inout) :: bodies
+      real(dp), intent(in) :: y_space(3)
+      type(poinsot_error), intent(inout) :: error
+      if (any(bodies%moments <= 0)) then
+         call reject_key(group, "y_space", &
+            "of bodies with an axis without inertia needs their " // &
+            "attitude, and random = 'uniform' draws it; give y", error)
+         return
       end if
-      bodies%y = vector
-      ! about an axis without inertia nothing can turn; files have few digits
-      where (bodies%moments <= 0 .and. abs(vector) <= axis_slack*norm2(vector)) bodies%y = 0
-      do j = 1, 3
-         if (bodies%moments(j) > 0 .or. abs(bodies%y(j)) <= 0) cycle
-         call reject_key(group, &
-                       "y", "has momentum " // text_of(vector(j)) // " about principal axis " // &
-                       text_of(j) // &
-                          ", whose moment is zero; up to 1e-6 of |y| is dropped there, " // &
-                       "more cannot be", error)
+      bodies%turns_y = .true.
+      bodies%y_space = y_space
+   end subroutine drawn_attitudes
+
+   !> Momentum about an axis without inertia: what few digits leave is dropped; of more, the axis
+   !> and
+   !> how much.
+   pure subroutine drop_idle(moments, vector, y, found)
+      real(dp), intent(in) :: moments(3), vector(3)  !! principal frame
+      real(dp), intent(out) :: y(3)                  !! vector without what is dropped
+      real(dp), allocatable, intent(out) :: found(:) !! axis and momentum; size 0: nothing is left
+      integer :: j
+      allocate (found(0))
+      y = vector
+      where (moments <= 0 .and. abs(vector) <= axis_slack*norm2(vector)) y = 0
+      do j = 3, 1, -1
+         if (moments(j) <= 0 .and. abs(y(j)) > 0) found = [real(j, dp), vector(j)]
+      end do
+   end subroutine drop_idle
+
+   function idle_words(found) result(text)
+      real(dp), intent(in) :: found(2)
+      character(:), allocatable :: text
+      text = "has momentum " // text_of(found(2)) // " about principal axis " // &
+         text_of(nint(found(1))) // ", whose moment is zero; up to 1e-6 of |y| is dropped " // &
+         "there, more cannot be"
+   end function idle_words
+
+   !> lattice, and the count that it makes.
+   subroutine build_lattice(group, bodies, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(inout) :: bodies
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: side(:)
+      if (.not. given(group, "lattice")) return
+      call numbers_of(group, "lattice", side)
+      if (any(side < 1) .or. any(abs(side - anint(side)) > 0) .or. &
+          product(min(side, 1e9_dp)) > real(most_bodies, dp)) then
+         call reject_key(group, "lattice", "is not three positive integers that make at most " // &
+            text_of(most_bodies) // " bodies", error)
+      else if (given(group, "count") .and. bodies%count /= product(nint(side, i8))) then
+         call reject_key(group, "count", "= " // text_of(bodies%count) // &
+            ", but lattice makes " // &
+            text_of(product(nint(side, i8))) // " bodies; leave count out", error)
+      else
+         bodies%lattice = nint(side)
+         bodies%count = product(nint(side, i8))
+      end if
+   end subroutine build_lattice
+
+   !> file: the states of all bodies.
+   subroutine build_states(group, bodies, error)
+      type(typed_group), intent(in) :: group
+      type(body_group), intent(inout) :: bodies
+      type(poinsot_error), intent(inout) :: error
+      type(poinsot_error) :: refused
+      character(*), parameter :: others(7) = [character(10) :: "q", "euler", "axis_angle", "y", &
+                                              "omega", "y_space", "random"]
+      integer, allocatable :: lines(:)
+      integer :: i
+      do i = 1, size(others)
+         if (.not. given(group, trim(others(i)))) cycle
+         call reject_key(group, "file", "and " // trim(others(i)) // " are both given; the file " &
+            // "has attitudes and momenta", error)
          return
       end do
-   end subroutine build_momentum
+      if (len(word_of(group, "file")) == 0) then
+         call reject_key(group, "file", "is empty; name a CSV file with q0..q3 and y1..y3", error)
+         return
+      end if
+      bodies%file = file_beside(group%file, word_of(group, "file"))
+      call read_states(bodies%file, bodies%file_q, bodies%file_y, lines, refused)
+      if (raised(refused)) then
+         call reject_key(group, "file", "refused: " // refused%message, error)
+      else if ((given(group, "count") .or. given(group, "lattice")) .and. &
+               bodies%count /= size(lines)) then
+         call reject_key(group, "file", "has " // text_of(size(lines)) // " bodies, the group " // &
+            text_of(bodies%count) // "; leave count out", error)
+      else
+         bodies%count = size(lines)
+         call check_states(group, lines, bodies, error)
+      end if
+   end subroutine build_states
+
+   !> Each state as one of a group: unit quaternions, principal frame, nothing about idle axes.
+   subroutine check_states(group, lines, bodies, error)
+      type(typed_group), intent(in) :: group
+      integer, intent(in) :: lines(:)
+      type(body_group), intent(inout) :: bodies
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: found(:)
+      real(dp) :: off, vector(3)
+      logical :: good
+      integer :: i, mended
+      mended = 0
+      do i = 1, size(lines)
+         associate (q => bodies%file_q(:, i))
+            good = maxval(abs(q)) > 0
+            off = 1
+            if (good) call make_unit(q, off, good)
+            if (.not. good) then
+               call reject_key(group, "file", "refused: " // bodies%file // ":" // &
+                  text_of(lines(i)) // ": q is no unit quaternion, to 1e-3", error)
+               return
+            end if
+            if (off > unit_tolerance) mended = mended + 1
+            if (bodies%turned) q = quaternion_product(q, bodies%frame)
+         end associate
+         vector = bodies%file_y(:, i)
+         if (bodies%turned) vector = matmul(transpose(bodies%axes), vector)
+         call drop_idle(bodies%moments, vector, bodies%file_y(:, i), found)
+         if (size(found) == 0) cycle
+         call reject_key(group, "file", "refused: " // bodies%file // ":" // text_of(lines(i)) // &
+            ": y " // idle_words(found), error)
+         return
+      end do
+      if (mended > 0) bodies%note = place(group%file, group%line) // "&bodies: " // &
+         text_of(mended) // " quaternions of " // bodies%file // &
+         " were off unit length by up to 1e-3; their length was divided out"
+   end subroutine check_states
 
    !> The rotors of gyrostats, once the effects are known: a body whose angular velocity was given
    !> has

@@ -11,7 +11,7 @@ module poinsot_scene_build
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_names, only: effect_table, method_list, splitting_list, is_exact_method
    use poinsot_scene_typed_group, only: typed_group, type_group, given, number_of, numbers_of, &
-      word_of, &
+      word_of, flag_of, &
       integer_of, plain, reject_key
    use poinsot_scene_bodies, only: build_bodies, add_rotors
    use poinsot_scene_effects, only: build_effects
@@ -55,7 +55,7 @@ contains
       if (dot > 1) name = name(:dot - 1)
    end function base_name
 
-   !> Every group known, none but &bodies twice, &scene and &bodies there.
+   !> Every group known, &scene and &output at most once, &scene and &bodies there.
    subroutine check_groups(source, effects, error)
       type(scene_source), intent(in) :: source
       type(effect_info), intent(in) :: effects(:)
@@ -73,10 +73,11 @@ contains
             return
          end if
          first = find_group(source, source%groups(i)%name)
-         if (first < i .and. source%groups(i)%name /= "bodies") then
+         if (first < i .and. any(source%groups(i)%name == [character(6) :: "scene", "output"])) then
             call reject(error, source%file, source%groups(i)%line, "a second &" // &
                         source%groups(i)%name // ", the first is in line " // &
-                        text_of(source%groups(first)%line) // "; only &bodies may be repeated")
+                        text_of(source%groups(first)%line) // &
+                           "; only &bodies and effects may be repeated")
             return
          end if
       end do
@@ -106,8 +107,11 @@ contains
       scene%method = word_of(group, "method")
       scene%splitting = word_of(group, "splitting")
       scene%from = word_of(group, "from")
+      scene%reseed = flag_of(group, "reseed")
       scene%chosen = ""
-      if (scene%t_end <= 0) then
+      if (scene%reseed .and. len(scene%from) == 0) then
+         call reject_key(group, "reseed", "goes with from, which is not given", error)
+      else if (scene%t_end <= 0) then
          call reject_key(group, "t_end", "= " // text_of(scene%t_end) // " must be positive", error)
       else if (scene%h < 0 .or. (given(group, "h") .and. scene%h <= 0)) then
          call reject_key(group, "h", "= " // text_of(scene%h) // " must be positive", error)
@@ -169,7 +173,7 @@ contains
          if (.not. raised(error)) call build_bodies(group, scene%bodies(i), error)
          if (raised(error)) return
          if (body_total(scene) <= largest_count) cycle
-         call reject_key(group, "count", &
+         call reject_key(group, merge("lattice", "count  ", given(group, "lattice")), &
                        "makes more than " // text_of(largest_count) // " bodies", error)
          return
       end do

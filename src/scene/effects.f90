@@ -11,30 +11,35 @@ module poinsot_scene_effects
    use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
    use poinsot_scene_typed_group, only: typed_group, type_group, given, word_of, number_of, &
       reject_key
-   use poinsot_scene_table, only: read_table
+   use poinsot_scene_table, only: read_table, file_beside
    implicit none(type, external)
    private
    public :: build_effects, body_positions
 
 contains
 
-   !> All effect groups of the file. Error: POINSOT_E_SCENE naming file, line, group and key.
+   !> All effect groups of the file, in the order of the registry, those of one name in the order of
+   !> the file. Error: POINSOT_E_SCENE naming file, line, group and key.
    subroutine build_effects(source, scene, error)
       type(scene_source), intent(in) :: source     !! the scanned file
       type(scene_settings), intent(inout) :: scene !! its bodies are known; gets the effects
       type(poinsot_error), intent(inout) :: error
       type(effect_info), allocatable :: table(:)
       type(effect_setting), allocatable :: found(:)
-      integer :: i, k, n
+      integer :: i, k, n, nth
       call effect_table(table)
-      allocate (found(size(table)))
+      allocate (found(source%count))
       n = 0
       do i = 1, size(table)
-         k = find_group(source, trim(table(i)%name))
-         if (k == 0) cycle
-         n = n + 1
-         call build_one(source, k, table(i), scene, found(n), error)
-         if (raised(error)) return
+         nth = 1
+         do
+            k = find_group(source, trim(table(i)%name), nth)
+            if (k == 0) exit
+            n = n + 1
+            nth = nth + 1
+            call build_one(source, k, table(i), scene, found(n), error)
+            if (raised(error)) return
+         end do
       end do
       allocate (scene%effects(n))
       scene%effects = found(:n)
@@ -100,7 +105,7 @@ contains
                        "is empty; name a file with lines of t and three torques", error)
          return
       end if
-      if (name(1:1) /= "/") name = scene_file(:index(scene_file, "/", back=.true.)) // name
+      name = file_beside(scene_file, name)
       call read_table(name, 3, times, rows, refused)
       if (raised(refused)) then
          call reject_key(group, "file", "refused: " // refused%message, error)
@@ -146,14 +151,19 @@ contains
    subroutine body_positions(scene, position)
       type(scene_settings), intent(in) :: scene            !! the typed scene
       real(dp), allocatable, intent(out) :: position(:, :) !! (3, bodies)
-      integer(i8) :: j, n
+      integer(i8) :: j, n, at(3)
       integer :: i
       allocate (position(3, body_total(scene)))
       n = 0
       do i = 1, size(scene%bodies)
          do j = 1, scene%bodies(i)%count
             n = n + 1
-            position(:, n) = scene%bodies(i)%position + real(j - 1, dp)*scene%bodies(i)%spacing
+            at = j - 1
+            associate (side => scene%bodies(i)%lattice)
+               if (all(side > 0)) at = [mod(j - 1, int(side(1), i8)), &
+                  mod((j - 1)/side(1), int(side(2), i8)), (j - 1)/side(1)/side(2)]
+            end associate
+            position(:, n) = scene%bodies(i)%position + real(at, dp)*scene%bodies(i)%spacing
          end do
       end do
    end subroutine body_positions

@@ -170,6 +170,10 @@ contains
       integer :: i
       call append(names, scene%file)
       if (len(scene%from) > 0) call append(names, scene%from)
+      do i = 1, size(scene%bodies)
+         if (allocated(scene%bodies(i)%points)) call append(names, scene%bodies(i)%points)
+         if (allocated(scene%bodies(i)%file)) call append(names, scene%bodies(i)%file)
+      end do
       do i = 1, size(scene%effects)
          if (.not. allocated(scene%effects(i)%file)) cycle
          call append(names, scene%effects(i)%file)

@@ -30,7 +30,8 @@ contains
             "of a step of splitting 'taylor', 1e-15 to 1e-2"), &
          number_key("seed", 1, 1, "1", "integer", "seed of all random numbers"), &
          number_key("threads", 1, 1, "0", "integer", "threads; 0 = as many as OpenMP offers"), &
-         text_key("from", "", "", "restart file to continue from")]
+         text_key("from", "", "", "restart file to continue from"), &
+         logical_key("reseed", ".false.", "with from: go on with this seed, as another branch")]
    end subroutine scene_keys
 
    !> Keys of &bodies.
@@ -43,7 +44,8 @@ contains
          number_key("moments", 3, 3, "", "mass length^2", &
             "principal moments of inertia, in any order"), &
          number_key("tensor", 9, 9, "", "mass length^2", &
-            "or the inertia tensor, row by row, in the given frame"), &
+            "or the inertia tensor, row by row (off its diagonal -sum m x y)"), &
+         text_key("points", "", "", "or point masses: a file with lines of mass, x, y, z"), &
          text_key("shape", "", "", &
             "or a shape: box ellipsoid cylinder sphere rod plate, water ..."), &
          logical_key("physical", ".true.", "refuse moments that no mass has"), &
@@ -52,13 +54,24 @@ contains
             "of the shape: edges, semi-axes, radius and height, length"), &
          number_key("y", 3, 3, "", "action", "angular momentum in the body frame"), &
          number_key("omega", 3, 3, "", "1/time", "or the angular velocity in the body frame"), &
+         number_key("y_space", 3, 3, "", "action", "or the angular momentum in space"), &
          number_key("q", 4, 4, "1,0,0,0", "", &
             "attitude, unit quaternion, scalar first, body to space"), &
+         number_key("euler", 3, 3, "", "radians", &
+            "or three angles about moving axes, q = q_1(a1) q_2(a2) q_3(a3)"), &
+         text_key("convention", "zxz", "zxz xyx yzy zyz xzx yxy xyz yzx zxy xzy zyx yxz", &
+            "the axes of euler, in their order"), &
+         number_key("axis_angle", 4, 4, "", "", &
+            "or an axis of any length, and the angle about it"), &
+         logical_key("degrees", ".false.", "angles of euler and axis_angle are in degrees"), &
+         text_key("file", "", "", "or the states of all of them: a CSV file with q0..q3, y1..y3"), &
          text_key("random", "none", "none uniform thermal", &
             "uniform: attitudes; thermal: momenta as well"), &
          number_key("temperature", 1, 1, "", "energy", "k T of the thermal momenta"), &
          number_key("position", 3, 3, "0,0,0", "length", "of the first body (pictures; dipoles)"), &
-         number_key("spacing", 3, 3, "0,0,0", "length", "from one body to the next")]
+         number_key("spacing", 3, 3, "0,0,0", "length", "from one body to the next"), &
+         number_key("lattice", 3, 3, "", "integer", &
+            "so many bodies along each axis, spacing(1..3) apart; instead of count")]
    end subroutine bodies_keys
 
    !> Describe a key that takes .true. or .false.

@@ -17,7 +17,8 @@ module poinsot_scene_override
 contains
 
    !> Put one setting in, over the file's own value of that key; a group that is not there is added.
-   !> `bodies(2).key=value` names the second &bodies group. Error: POINSOT_E_SCENE for what is not
+   !> `bodies(2).key=value` names the second &bodies group; so with any group that is repeated.
+   !> Error: POINSOT_E_SCENE for what is not
    !> of that form; whether group and key exist is found out when the scene is built.
    subroutine override(text, source, error)
       character(*), intent(in) :: text               !! group.key=value
@@ -39,9 +40,9 @@ contains
       call take_number(group, nth, error)
       if (.not. raised(error)) call scan_values(text(equals + 1:), place, group, entry, error)
       if (raised(error)) return
-      if (group == "bodies" .and. nth == 0 .and. find_group(source, "bodies", 2) > 0) then
-         call reject(error, place, 0, quoted(text) // ": the scene has several &bodies " // &
-                     "groups; name one, as in bodies(2)." // entry%key)
+      if (nth == 0 .and. find_group(source, group, 2) > 0) then
+         call reject(error, place, 0, quoted(text) // ": the scene has several &" // group // &
+                     " groups; name one, as in " // group // "(2)." // entry%key)
          return
       end if
       call put_entry(source, group, max(nth, 1), entry, error)

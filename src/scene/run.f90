@@ -81,6 +81,7 @@ contains
       report%reason = ""
       report%reference = ""
       report%restart = ""
+      report%branch = ""
       call prepare(scene, out, ranks, run, report, error)
       call agree(ranks, error)
       if (raised(error)) return
@@ -231,13 +232,15 @@ contains
          call differs("tolerance", text_of(saved%tolerance), text_of(scene%tolerance))
       else if (abs(saved%h - scene%h) > 0) then
          call differs("h", text_of(saved%h), text_of(scene%h))
-      else if (saved%seed /= scene%seed) then
+      else if (saved%seed /= scene%seed .and. .not. scene%reseed) then
          call differs("seed", text_of(saved%seed), text_of(scene%seed))
       end if
       if (raised(error)) return
       run%t = saved%t
       run%step = saved%step
       report%splitting = saved%splitting
+      if (saved%seed /= scene%seed) report%branch = "branched off at t = " // text_of(saved%t) // &
+         ": seed " // text_of(scene%seed) // " from there on, " // text_of(saved%seed) // " before"
       call move_alloc(saved%y, run%states%y)
       call move_alloc(saved%q, run%states%q)
       call move_alloc(saved%carry, run%states%carry)
@@ -246,8 +249,12 @@ contains
 
       subroutine differs(key, old, new)
          character(*), intent(in) :: key, old, new
+         character(:), allocatable :: hint
+         hint = ""
+         if (key == "seed") hint = ", unless reseed = .true. makes a branch of it"
          call raise(error, poinsot_e_scene, scene%from // ": was written with " // key // " = " // &
-                    old // ", the scene has " // new // "; a continuation must not change it")
+                    old // ", the scene has " // new // "; a continuation must not change it" // &
+                       hint)
       end subroutine differs
 
    end subroutine continue_from

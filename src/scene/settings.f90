@@ -28,6 +28,12 @@ module poinsot_scene_settings
       real(dp) :: temperature = 0             !! k T
       real(dp) :: position(3) = 0             !! of the first body
       real(dp) :: spacing(3) = 0              !! from one to the next
+      integer :: lattice(3) = 0               !! bodies along each axis; 0: a chain
+      logical :: turns_y = .false.            !! momenta are y_space, whatever the drawn attitudes
+      real(dp) :: y_space(3) = 0
+      character(:), allocatable :: points     !! file of point masses, if the moments are theirs
+      character(:), allocatable :: file       !! of the states, if they were read
+      real(dp), allocatable :: file_y(:, :), file_q(:, :) !! (3, count), (4, count): these states
    end type body_group
 
    !> One effect group: name and key-value pairs, as the effect registry takes them, in the scene's
@@ -70,6 +76,7 @@ module poinsot_scene_settings
       integer(i8) :: seed = 1
       integer :: threads = 0                  !! 0: as many as OpenMP offers
       character(:), allocatable :: from       !! restart file to continue from, "" = none
+      logical :: reseed = .false.             !! a continuation may have another seed
       character(:), allocatable :: chosen     !! what `auto` chose and promises, "" = nothing
       type(body_group), allocatable :: bodies(:)
       type(effect_setting), allocatable :: effects(:)

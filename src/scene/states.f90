@@ -5,7 +5,7 @@ module poinsot_scene_states
    use poinsot_core_kinds, only: dp, i4, i8
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_e_memory
-   use poinsot_rotation_quaternion, only: quaternion_product, quaternion_conjugate
+   use poinsot_rotation_quaternion, only: quaternion_product, quaternion_conjugate, rotate_back
    use poinsot_rotation_random, only: random_quaternion, random_gaussian, stream_momentum
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, body_group, body_total, &
@@ -68,7 +68,12 @@ contains
          states%group(j) = group
          states%y(:, j) = bodies%y
          states%q(:, j) = bodies%q
+         if (allocated(bodies%file_q)) then
+            states%y(:, j) = bodies%file_y(:, j - last)
+            states%q(:, j) = bodies%file_q(:, j - last)
+         end if
          if (bodies%random /= random_none) states%q(:, j) = random_quaternion(seed, id)
+         if (bodies%turns_y) states%y(:, j) = rotate_back(states%q(:, j), bodies%y_space)
          if (bodies%random /= random_thermal) cycle
          normal(1:2) = random_gaussian(seed, id, 0_i8, stream_momentum)
          normal(3:4) = random_gaussian(seed, id, 0_i8, stream_momentum + 1_i4)

@@ -8,7 +8,8 @@ module poinsot_scene_summary
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_folder, only: file_name, run_files, files_row, file_separator
    use poinsot_scene_schedule, only: knot_within_step
-   use poinsot_scene_settings, only: scene_settings, body_total
+   use poinsot_scene_integrals, only: number_in
+   use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
    use poinsot_scene_drift, only: drift_watch
    use poinsot_scene_states, only: body_states, to_scene_frame
    implicit none(type, external)
@@ -23,6 +24,7 @@ module poinsot_scene_summary
       character(:), allocatable :: reason     !! why it failed
       character(:), allocatable :: method, splitting
       character(:), allocatable :: restart    !! the restart file that was written; "" = none
+      character(:), allocatable :: branch     !! that the seed is new since the restart; "" = is not
       integer(i8) :: steps = 0                !! steps taken
       integer(i8) :: outputs = 0              !! frames written
       real(dp) :: shortest = 0, longest = 0   !! of the steps taken; 0: none
@@ -79,7 +81,7 @@ contains
       effects = ""
       do i = 1, size(scene%effects)
          if (i > 1) effects = effects // ", "
-         effects = effects // scene%effects(i)%name
+         effects = effects // scene%effects(i)%name // on_class(scene%effects(i))
       end do
       if (size(scene%effects) == 0) effects = "none"
       call row(file, "effects", effects, error)
@@ -93,8 +95,19 @@ contains
       if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
       call row(file, "seed", text_of(scene%seed), error)
       if (len(scene%from) > 0) call row(file, "continued from", scene%from, error)
+      if (len(report%branch) > 0) call row(file, "branch", report%branch, error)
       call row(file, files_row, list_of_files(scene, report), error)
    end subroutine put_run
+
+   !> " of class 2", if an effect does not act on all.
+   function on_class(item) result(text)
+      type(effect_setting), intent(in) :: item
+      character(:), allocatable :: text
+      integer :: class
+      text = ""
+      class = nint(number_in(item, "class"))
+      if (class > 0) text = " of class " // text_of(class)
+   end function on_class
 
    !> What this run wrote, or its scripts will draw: the next run into this folder may remove it.
    function list_of_files(scene, report) result(list)

@@ -11,7 +11,7 @@ module poinsot_scene_table
    use poinsot_scene_source, only: reject
    implicit none(type, external)
    private
-   public :: read_table
+   public :: read_table, file_beside
 
    integer, parameter :: longest_line = 1000, most_rows = 1000000
    character(*), parameter :: blanks = " ,;" // achar(9) // achar(13)
@@ -20,15 +20,26 @@ module poinsot_scene_table
 
 contains
 
+   !> A file that a scene names: relative names count from the folder of the scene.
+   pure function file_beside(scene_file, name) result(path)
+      character(*), intent(in) :: scene_file !! name of the scene's file
+      character(*), intent(in) :: name       !! not empty
+      character(:), allocatable :: path
+      path = name
+      if (name(1:1) /= "/") path = scene_file(:index(scene_file, "/", back=.true.)) // name
+   end function file_beside
+
    !> Read rows of a time and `columns` values. Error: POINSOT_E_IO if the file cannot be read,
    !> POINSOT_E_SCENE naming file and line of what is no such row.
-   subroutine read_table(file, columns, times, values, error)
+   subroutine read_table(file, columns, times, values, error, row_is)
       character(*), intent(in) :: file                    !! its name
       integer, intent(in) :: columns                      !! values beside the time
       real(dp), allocatable, intent(out) :: times(:)      !! (rows)
       real(dp), allocatable, intent(out) :: values(:)     !! (columns*rows), row after row
       type(poinsot_error), intent(inout) :: error
+      character(*), intent(in), optional :: row_is        !! what a row holds, if no time and values
       real(dp), allocatable :: room(:, :), more(:, :)
+      character(:), allocatable :: holds
       real(dp) :: row(columns + 1)
       character(longest_line) :: text
       character(200) :: reason
@@ -39,6 +50,8 @@ contains
          call raise(error, poinsot_e_io, file // ": cannot be opened: " // reason_of(reason))
          return
       end if
+      holds = "a time and " // text_of(columns) // " values"
+      if (present(row_is)) holds = row_is
       allocate (room(columns + 1, 64))
       n = 0
       line = 0
@@ -54,7 +67,7 @@ contains
             headed = .true.
             text = ""
          end if
-         call read_row(file, line, text, row, empty, error)
+         call read_row(file, line, text, holds, row, empty, error)
          if (n == most_rows) call reject(error, file, line, "more than " // text_of(n) // " rows")
          if (raised(error)) exit
          if (ended .and. empty) exit
@@ -93,8 +106,8 @@ contains
       end do
    end function is_heading
 
-   subroutine read_row(file, line, text, row, empty, error)
-      character(*), intent(in) :: file, text
+   subroutine read_row(file, line, text, holds, row, empty, error)
+      character(*), intent(in) :: file, text, holds
       integer, intent(in) :: line
       real(dp), intent(out) :: row(:)
       logical, intent(out) :: empty
@@ -120,7 +133,7 @@ contains
       end do
       if (k <= size(row) .or. verify(rest, blanks) > 0) then
          call reject(error, file, line, "a row has " // text_of(size(row)) // &
-                     " numbers: a time and " // text_of(size(row) - 1) // " values")
+                     " numbers: " // holds)
       end if
    end subroutine read_row
 

@@ -11,7 +11,8 @@ module poinsot_scene_view_setting
 
 contains
 
-   !> "kind", "up", and what belongs to the kind, as members of a JSON object.
+   !> "kind", "up", and what belongs to the kind, as members of a JSON object. Of several effects of
+   !> one kind the first is shown.
    function view_setting(scene) result(text)
       type(scene_settings), intent(in) :: scene !! the typed scene
       character(:), allocatable :: text
@@ -26,9 +27,11 @@ contains
                if (kind == "free") kind = "gyrostat"
             case ("gravity")
                kind = "top"
-               text = text // """up"": " // numbers_json(vector_in(item, "up"), 9) // ", "
+               if (index(text, """up""") == 0) text = text // """up"": " // &
+                  numbers_json(vector_in(item, "up"), 9) // ", "
             case ("field")
                if (kind /= "top") kind = "field"
+               if (index(text, """field""") > 0) cycle
                text = text // """field"": {""motion"": """ // text_in(item, "motion") // &
                   """, ""strength"": " // numbers_json(vector_in(item, "strength"), 9) // &
                   ", ""frequency"": " // number_json(number_in(item, "frequency"), 9) // &
@@ -38,6 +41,7 @@ contains
                kind = "other"
                if (text_in(item, "orbit") /= "circular") cycle
                kind = "orbit"
+               if (index(text, """orbit""") > 0) cycle
                text = text // """orbit"": {""axis"": " // &
                   numbers_json(vector_in(item, "normal"), 9) // ", ""rate"": " // &
                   number_json(number_in(item, "rate"), 9) // ", ""radius"": " // &

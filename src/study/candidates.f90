@@ -9,7 +9,8 @@ module poinsot_study_candidates
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_scene_names, only: effect_table
-   use poinsot_scene_settings, only: scene_settings, body_group, random_thermal
+   use poinsot_scene_settings, only: scene_settings, body_group, effect_setting, &
+      random_thermal
    use poinsot_scene_text, only: quoted
    use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name, &
       find_splitting, achieved_order
@@ -85,19 +86,21 @@ contains
          if (quiet%effects(i)%name /= "langevin") cycle
          do j = 1, size(quiet%effects(i)%settings)
             if (quiet%effects(i)%settings(j)%key /= "temperature") cycle
-            call warm(quiet%effects(i)%settings(j)%values(1), quiet%bodies)
+            call warm(quiet%effects(i), quiet%effects(i)%settings(j)%values(1), quiet%bodies)
             quiet%effects(i)%settings(j)%values = [0.0_dp]
             deallocate (quiet%effects(i)%made)
          end do
       end do
    end subroutine quiet_scene
 
-   !> Thermal momenta for groups at rest.
-   pure subroutine warm(temperature, bodies)
+   !> Thermal momenta for groups at rest, of those that the thermostat acts on.
+   pure subroutine warm(thermostat, temperature, bodies)
+      type(effect_setting), intent(in) :: thermostat
       real(dp), intent(in) :: temperature
       type(body_group), intent(inout) :: bodies(:)
       integer :: i
       do i = 1, size(bodies)
+         if (.not. thermostat%made%acts_on(i) .or. allocated(bodies(i)%file_q)) cycle
          if (bodies(i)%random == random_thermal .or. maxval(abs(bodies(i)%y)) > 0) cycle
          bodies(i)%random = random_thermal
          bodies(i)%temperature = temperature
