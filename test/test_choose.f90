@@ -16,7 +16,7 @@ module test_choose
    use poinsot_study_auto, only: resolve_auto
    use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, plan_splitting, any_name
    use poinsot_study_choose, only: choose_request, choice, choose_method, prepare_task, chosen
-   use poinsot_study_clock, only: wall_seconds
+   use poinsot_study_clock, only: wall_seconds, limit_in
    use poinsot_study_errors, only: compare_states
    use poinsot_study_fill_scene, only: set_keys, text_line
    use poinsot_study_members, only: member_set, draw_members, repeat_members
@@ -324,7 +324,7 @@ contains
       if (.not. raised(error)) call survey_scene(scene, kind, error)
       if (.not. raised(error)) call draw_members(scene, kind%coupled, int(body_total(scene)), &
          0.0_dp, members, error)
-      if (.not. raised(error)) call find_reference(scene, kind, members, scene%t_end, 1, 20.0_dp, &
+      if (.not. raised(error)) call find_reference(scene, kind, members, scene%t_end, 1, limit_in(20.0_dp, .false.), &
          reference, error, &
                                                    1e-3_dp*scene%tol)
       if (raised(error)) return

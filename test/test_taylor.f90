@@ -11,9 +11,11 @@ module test_taylor
    use poinsot_ensemble_step, only: step_bodies
    use poinsot_taylor_basis, only: span_rows
    use poinsot_splitting_registry, only: splitting_flows
+   use poinsot_study_torque_series, only: torque_problem, torque_problems, turn_under_torque, fine
    use test_bodies, only: random_quaternion, random_stream, start_stream, uniform
    use test_expectation, only: expect
    use test_oracle_algebra, only: cross, rotate_back
+   use test_oracle_data, only: top_case, read_top
    use test_crowd, only: with_effect, turned_tensor
    implicit none(type, external)
    private
@@ -47,6 +49,18 @@ module test_taylor
       one_effect("drag", "friction = 0.2, 0.3, 0.1"), &
       one_effect("gyrostat", "rotor = 0.3, -0.2, 0.5")]
 
+   !> The same kinds with numbers that double precision does not round when effects are made.
+   type(one_effect), parameter :: unrounded(*) = [ &
+      one_effect("gravity", "centre = 0.3, -0.4, 0.9; weight = 2; up = 0, 1, 0"), &
+      list(2), &
+      one_effect("field", "dipole = 0.5, -0.3, 0.4; strength = 1.5, 0.2, 0.3; " // &
+         "motion = rotating; frequency = 1.3; phase = 0.4; axis = 1, 0, 0"), &
+      list(4), &
+      one_effect("gravity_gradient", "rate = 0.5; orbit = fixed"), &
+      one_effect("gravity_gradient", "rate = 0.5"), &
+      one_effect("spring", "stiffness = 1.2; axis = 0, 1, 0; direction = 0, 0, -1"), &
+      list(8:13)]
+
 contains
 
    subroutine collect_taylor(testsuite)
@@ -54,6 +68,8 @@ contains
       testsuite = [ &
          new_unittest("every-effect-keeps-its-tolerance", test_effects), &
          new_unittest("sums-of-effects", test_sums), &
+         new_unittest("quadruple-series", test_quadruple), &
+         new_unittest("quadruple-series-published-tops", test_tops), &
          new_unittest("tensor-class", test_tensor), &
          new_unittest("steps-and-bits", test_bits), &
          new_unittest("floor", test_floor), &
@@ -185,12 +201,25 @@ contains
       real(dp), intent(in) :: body(3)
       real(dp), intent(in) :: t0, t1
       real(dp), intent(inout) :: y(3), q(4)
+      real(qp) :: long_y(3), long_q(4)
+      long_y = y
+      long_q = q
+      call long_reference(effects, body, t0, t1, long_y, long_q)
+      y = real(long_y, dp)
+      q = real(long_q, dp)
+   end subroutine reference
+
+   subroutine long_reference(effects, body, t0, t1, y, q)
+      type(one_effect), intent(in) :: effects(:)
+      real(dp), intent(in) :: body(3)
+      real(dp), intent(in) :: t0, t1
+      real(qp), intent(inout) :: y(3), q(4)
       integer, parameter :: columns = 8
       real(qp) :: x(7), a(7), b(7), c(7), table(7, columns), last(7, columns), h, s, t, inertia(3)
       real(qp) :: stops(5)
       integer :: i, k, n, m, part, parts
       inertia = body
-      x = [real(y, qp), real(q, qp)]
+      x = [y, q]
       stops = [real(t0, qp), 0.5_qp*1, real(1.3_dp, qp), real(2.2_dp, qp), real(t1, qp)]
       do part = 1, 4
          parts = 8
@@ -217,9 +246,9 @@ contains
             x = table(:, columns)
          end do
       end do
-      y = real(x(1:3), dp)
-      q = real(x(4:7)/sqrt(sum(x(4:7)**2)), dp)
-   end subroutine reference
+      y = x(1:3)
+      q = x(4:7)/sqrt(sum(x(4:7)**2))
+   end subroutine long_reference
 
    ! Runs
    ! ---------------------------------------------------------------------------------------------
@@ -349,6 +378,88 @@ contains
       if (.not. allocated(error)) call judge(error, [1.0_dp, 1.0_dp, 1.0_dp], list, "sphere")
       if (.not. allocated(error)) call judge(error, [0.7_dp, 0.7_dp, 0.3_dp], list, "symmetric")
    end subroutine test_sums
+
+   !> The reference of cost and choose, in quadruple precision, for every effect: Gragg's rule knows
+   !> the torques as formulas, and is right to 1e-19 itself.
+   subroutine test_quadruple(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), parameter :: short(3) = [0.625_dp, 0.875_dp, 1.125_dp]
+      integer :: i
+      do i = 1, size(unrounded)
+         call judge_series(error, short, unrounded(i:i), trim(unrounded(i)%name))
+         if (allocated(error)) return
+      end do
+      call judge_series(error, short, unrounded, "all effects")
+      if (.not. allocated(error)) call judge_series(error, [0.5_dp, 0.875_dp, 0.375_dp], unrounded, "flat")
+   end subroutine test_quadruple
+
+   subroutine judge_series(error, body, effects, what)
+      type(error_type), allocatable, intent(out) :: error
+      real(dp), intent(in) :: body(3)
+      type(one_effect), intent(in) :: effects(:)
+      character(*), intent(in) :: what
+      type(poinsot_plan) :: plan
+      type(poinsot_error) :: problem
+      type(torque_problem), allocatable :: problems(:)
+      real(dp), allocatable :: y0(:, :), q0(:, :)
+      real(qp) :: y(3), q(4), yr(3), qr(4)
+      logical :: done
+      call states(1, y0, q0)
+      call taylor_plan(body, effects, 1e-12_dp, plan, problem)
+      if (.not. raised(problem)) call torque_problems(plan, problems, problem)
+      call expect(error, .not. raised(problem), what//": "//problem%message)
+      if (raised(problem)) return
+      y = y0(:, 1)
+      q = q0(:, 1)
+      yr = y
+      qr = q
+      call long_reference(effects, body, 0.0_dp, 3.0_dp, yr, qr)
+      call turn_under_torque(problems(1), fine, 0.0_qp, 3.0_qp, 1000, y, q, done)
+      call expect(error, norm2(y - yr) < 1e-18_qp*norm2(yr) .and. &
+         norm2(q - sign(1.0_qp, dot_product(q, qr))*qr) < 1e-18_qp, &
+         what//": another motion than by Gragg's rule")
+      call turn_under_torque(problems(1), fine, 3.0_qp, 0.0_qp, 1000, y, q, done)
+      call expect(error, done .and. norm2(y - y0(:, 1)) < 1e-19_qp*norm2(y), &
+         what//": no way back")
+      call turn_under_torque(problems(1), fine, 0.0_qp, 3.0_qp, 2, y, q, done)
+      call expect(error, .not. done, what//": more steps than allowed")
+   end subroutine judge_series
+
+   !> The published tops, every row; the first to all its digits.
+   subroutine test_tops(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(top_case), allocatable :: tops(:)
+      type(torque_problem), allocatable :: problems(:)
+      type(poinsot_plan) :: plan
+      type(poinsot_error) :: problem
+      character(200) :: text
+      real(qp) :: y(3), q(4), off, allowed
+      integer :: i, number
+      logical :: done
+      call read_top(tops)
+      call expect(error, size(tops) >= 12, "data/top.csv")
+      do i = 1, size(tops)
+         if (allocated(error)) return
+         associate (top => tops(i))
+            plan = poinsot_plan()
+            call add_class(plan, top%moments, number, problem)
+            write (text, "(3(a, es24.16e3, 2(',', es24.16e3)))") "dipole = ", -top%centre, &
+               "; strength = ", top%direction
+            call with_effect(plan, "field", trim(text))
+            call make_ready(plan, problem)
+            call torque_problems(plan, problems, problem)
+            y = top%y
+            q = top%q
+            call turn_under_torque(problems(1), fine, 0.0_qp, real(top%t, qp), 1000, y, q, &
+               done)
+            off = max(norm2(y - top%y_end)/norm2(top%y_end), norm2(q - sign(1.0_qp, &
+               dot_product(q, top%q_end))*top%q_end))
+            allowed = merge(1e-23_qp, 1e-14_qp, i == 1)
+            write (text, "(a, i0, a, es9.2)") "row ", i, " is off by ", off
+            call expect(error, .not. raised(problem) .and. done .and. off < allowed, trim(text))
+         end associate
+      end do
+   end subroutine test_tops
 
    !> Effects are in the frame of the tensor: the same run as by srkn6.
    subroutine test_tensor(error)

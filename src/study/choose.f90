@@ -12,7 +12,7 @@ module poinsot_study_choose
    use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, quiet_scene, &
       list_candidates, &
       plan_splitting, label_of
-   use poinsot_study_clock, only: wall_seconds
+   use poinsot_study_clock, only: wall_seconds, limit_in
    use poinsot_study_members, only: member_set, draw_members, repeat_members
    use poinsot_study_reference, only: reference_solution, find_reference
    use poinsot_study_search, only: problem, contender, search_steps, usual_slack
@@ -149,7 +149,8 @@ contains
       share = 0.2_dp
       do tries = 1, 6
          failure = poinsot_error()
-         call find_reference(quiet, kind, task%members, task%t_end, 1, share*request%budget, &
+         call find_reference(quiet, kind, task%members, task%t_end, 1, &
+            limit_in(share*request%budget, .false.), &
             reference, failure, &
                              0.01_dp*task%tol)
          given_error = huge(given_error)

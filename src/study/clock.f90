@@ -1,12 +1,51 @@
 !> Clocks. Work on one thread is timed by the processor's own time, which stands still while another
-!> program has the processor; budgets are kept by the clock on the wall.
+!> program has the processor. A budget is of the wall's clock where people wait for all that fits in
+!> (`cost`), of the processor's where the answer must not depend on who else is at work (`choose`).
 module poinsot_study_clock
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
    private
-   public :: processor_seconds, wall_seconds
+   public :: processor_seconds, wall_seconds, time_limit, limit_in, part_of, now_by, left_of
+
+   !> When to be done.
+   type :: time_limit
+      logical :: wall = .true.        !! by the clock on the wall; else by the processor's time
+      real(dp) :: at = 0
+   end type time_limit
 
 contains
+
+   !> So many seconds from now.
+   type(time_limit) function limit_in(seconds, wall)
+      real(dp), intent(in) :: seconds
+      logical, intent(in) :: wall
+      limit_in%wall = wall
+      limit_in%at = now_by(limit_in) + seconds
+   end function limit_in
+
+   !> A part of what is left.
+   type(time_limit) function part_of(limit, share)
+      type(time_limit), intent(in) :: limit
+      real(dp), intent(in) :: share
+      part_of = limit_in(share*left_of(limit), limit%wall)
+   end function part_of
+
+   !> Seconds on the clock of a limit.
+   real(dp) function now_by(limit)
+      type(time_limit), intent(in) :: limit
+      if (limit%wall) then
+         now_by = wall_seconds()
+      else
+         now_by = processor_seconds()
+      end if
+   end function now_by
+
+   !> Seconds left, negative if it is over.
+   real(dp) function left_of(limit)
+      type(time_limit), intent(in) :: limit
+      left_of = limit%at - now_by(limit)
+   end function left_of
+
 
    !> Seconds this program has had of the processor.
    real(dp) function processor_seconds()

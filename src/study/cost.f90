@@ -6,7 +6,7 @@ module poinsot_study_cost
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_watch, only: run_watch
    use poinsot_study_candidates, only: survey_scene, quiet_scene, list_candidates, plan_splitting
-   use poinsot_study_clock, only: wall_seconds
+   use poinsot_study_clock, only: wall_seconds, limit_in
    use poinsot_study_cost_climb, only: climber, climb
    use poinsot_study_cost_data, only: cost_request, cost_study
    use poinsot_study_cost_long, only: run_long
@@ -48,7 +48,7 @@ contains
       if (raised(error)) return
       study%t_end = quiet%t_end
       call find_reference(quiet, study%kind, study%members, study%t_end, most_checks, &
-                          reference_share*mine%budget, study%reference, error)
+                          limit_in(reference_share*mine%budget, .true.), study%reference, error)
       if (raised(error)) return
       allocate (climbers(size(study%candidates)), study%points(0))
       do i = 1, size(climbers)

@@ -1,7 +1,8 @@
 !> The solution that candidates are measured against, with an estimate of its own error.
 !>
-!> Free bodies: quadruple precision. With effects: two schemes of high order with the exact rotor
-!> and compensated sums, each with finer and finer steps until rounding is all that is left (effects
+!> Free bodies: quadruple precision. Torques that are data: Taylor series (torque_reference.f90).
+!> Other effects (pairs, friction with noise): two schemes of high order with the exact rotor and
+!> compensated sums, each with finer and finer steps until rounding is all that is left (effects
 !> that limit the order to 2 are extrapolated in powers of h^2); the distance of the two is the
 !> estimate.
 module poinsot_study_reference
@@ -14,10 +15,11 @@ module poinsot_study_reference
    use poinsot_scene_text, only: text_of
    use poinsot_study_candidates, only: scene_kind, candidate, list_candidates, plan_splitting, &
       label_of, no_splitting, any_name
-   use poinsot_study_clock, only: wall_seconds
+   use poinsot_study_clock, only: time_limit, part_of, now_by, left_of
    use poinsot_study_errors, only: end_state, compare_states
    use poinsot_study_members, only: member_set
    use poinsot_study_quadruple, only: turn_freely
+   use poinsot_study_torque_reference, only: solve_torques
    use poinsot_study_trial, only: trial_run, make_plan, run_trial
    implicit none(type, external)
    private
@@ -38,23 +40,31 @@ module poinsot_study_reference
 contains
 
    !> Solve for all members. Error: POINSOT_E_CONVERGENCE if no step gives a solution in the time.
-   subroutine find_reference(scene, kind, members, t_end, checks, seconds, reference, error, enough)
+   subroutine find_reference(scene, kind, members, t_end, checks, limit, reference, error, enough)
       type(scene_settings), intent(in) :: scene      !! without noise
       type(scene_kind), intent(in) :: kind
       type(member_set), intent(in) :: members
       real(dp), intent(in) :: t_end
       integer, intent(in) :: checks                  !! looks at the energy
-      real(dp), intent(in) :: seconds                !! budget
+      type(time_limit), intent(in) :: limit
       type(reference_solution), intent(out) :: reference
       type(poinsot_error), intent(inout) :: error
       real(dp), intent(in), optional :: enough !! an error small enough; absent: rounding alone
       real(dp) :: target_error
+      logical :: served
       target_error = 0
       if (present(enough)) target_error = enough
       if (kind%free) then
          call solve_free(scene, members, t_end, checks, reference, error)
+         return
+      end if
+      served = .false.
+      if (.not. kind%coupled) call solve_torques(scene, members, t_end, checks, limit, &
+         target_error, reference%state, reference%angle, reference%momentum, reference%how, served)
+      if (served) then
+         reference%state%scale = positive(reference%state%scale)
       else
-         call solve_forced(scene, kind, members, t_end, checks, seconds, target_error, reference, &
+         call solve_forced(scene, kind, members, t_end, checks, limit, target_error, reference, &
             error)
       end if
    end subroutine find_reference
@@ -108,13 +118,14 @@ contains
    end function positive
 
    !> Two schemes, finer and finer.
-   subroutine solve_forced(scene, kind, members, t_end, checks, seconds, enough, reference, error)
+   subroutine solve_forced(scene, kind, members, t_end, checks, limit, enough, reference, error)
       type(scene_settings), intent(in) :: scene
       type(scene_kind), intent(in) :: kind
       type(member_set), intent(in) :: members
       real(dp), intent(in) :: t_end
       integer, intent(in) :: checks
-      real(dp), intent(in) :: seconds, enough
+      type(time_limit), intent(in) :: limit
+      real(dp), intent(in) :: enough
       type(reference_solution), intent(inout) :: reference
       type(poinsot_error), intent(inout) :: error
       type(candidate), allocatable :: list(:)
@@ -125,11 +136,11 @@ contains
       call list_candidates(scene, kind, [character(24) :: "exact"], any_name, list, error)
       if (raised(error)) return
       call two_best(list, best, other)
-      call refine(scene, kind, best, members, t_end, checks, 0.5_dp*seconds, enough, &
+      call refine(scene, kind, best, members, t_end, checks, part_of(limit, 0.5_dp), enough, &
          reference%state, &
                   steps(1), change(1), error)
       if (.not. raised(error)) call refine(scene, kind, other, members, t_end, checks, &
-         0.5_dp*seconds, enough, &
+         limit, enough, &
                                            second, steps(2), change(2), error)
       if (raised(error)) return
       call compare_states(second%y, second%q, reference%state, reference%angle, reference%momentum)
@@ -196,13 +207,14 @@ contains
    end function standing
 
    !> One scheme with steps halved until the change stops shrinking.
-   subroutine refine(scene, kind, one, members, t_end, checks, seconds, enough, state, steps, &
+   subroutine refine(scene, kind, one, members, t_end, checks, limit, enough, state, steps, &
       change, error)
       type(scene_settings), intent(in) :: scene
       type(scene_kind), intent(in) :: kind
       type(candidate), intent(in) :: one
       type(member_set), intent(in) :: members
-      real(dp), intent(in) :: t_end, seconds, enough
+      real(dp), intent(in) :: t_end, enough
+      type(time_limit), intent(in) :: limit
       integer, intent(in) :: checks
       type(end_state), intent(out) :: state
       integer(i8), intent(out) :: steps            !! of the solution taken
@@ -212,24 +224,23 @@ contains
       type(end_state) :: table(columns), last(columns)
       type(trial_run) :: run
       real(dp), allocatable :: angle(:), momentum(:)
-      real(dp) :: begun, now, took
+      real(dp) :: now, took
       integer(i8) :: n
       integer :: row, rows, worse
       call make_plan(scene, trim(one%method), plan_splitting(one), plan, error)
       if (raised(error)) return
-      begun = wall_seconds()
       took = 0
       change = huge(change)
       steps = 0
       row = 0
       worse = 0
       n = first_steps
-      do while (n <= most_steps .and. wall_seconds() - begun + 2.2_dp*took < seconds .or. row < 3)
-         took = wall_seconds()
+      do while (n <= most_steps .and. 2.2_dp*took < left_of(limit) .or. row < 3)
+         took = now_by(limit)
          call run_trial(plan, members, t_end, n, checks, .true., run)
-         took = wall_seconds() - took
+         took = now_by(limit) - took
          n = 2*n
-         if (.not. run%good .and. n <= most_steps .and. wall_seconds() - begun < seconds) cycle
+         if (.not. run%good .and. n <= most_steps .and. left_of(limit) > 0) cycle
          if (.not. run%good) exit
          rows = merge(min(row + 1, columns), 1, kind%limit > 0)
          call extend_table(run, rows, last, table)

@@ -13,9 +13,10 @@ module poinsot_study_trial
    use poinsot_scene_settings, only: scene_settings
    use poinsot_study_clock, only: processor_seconds
    use poinsot_study_members, only: member_set
+   use poinsot_taylor_settings, only: choose_orders
    implicit none(type, external)
    private
-   public :: trial_run, make_plan, run_trial, integrate, member_energies, most_checks
+   public :: trial_run, make_plan, set_tolerance, run_trial, integrate, member_energies, most_checks
 
    integer, parameter :: most_checks = 16 !! looks at the energy between start and end
 
@@ -48,6 +49,14 @@ contains
       call start_engine(changed, made, error)
       if (.not. raised(error)) plan = made%plan
    end subroutine make_plan
+
+   !> Another tolerance of `taylor` for a plan that is ready: nothing else depends on it.
+   pure subroutine set_tolerance(plan, tolerance)
+      type(poinsot_plan), intent(inout) :: plan
+      real(dp), intent(in) :: tolerance        !! 1e-15 to 1e-2
+      plan%tolerance = tolerance
+      plan%orders = choose_orders(tolerance)
+   end subroutine set_tolerance
 
    !> Run all members from 0 to t_end in `steps` equal steps, with energies at up to `checks` times
    !> at equal distances.
