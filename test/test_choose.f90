@@ -16,7 +16,7 @@ module test_choose
    use poinsot_study_auto, only: resolve_auto
    use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, plan_splitting, any_name
    use poinsot_study_choose, only: choose_request, choice, choose_method, prepare_task, chosen
-   use poinsot_study_clock, only: wall_seconds, limit_in
+   use poinsot_study_clock, only: limit_in
    use poinsot_study_errors, only: compare_states
    use poinsot_study_fill_scene, only: set_keys, text_line
    use poinsot_study_members, only: member_set, draw_members, repeat_members
@@ -324,7 +324,8 @@ contains
       if (.not. raised(error)) call survey_scene(scene, kind, error)
       if (.not. raised(error)) call draw_members(scene, kind%coupled, int(body_total(scene)), &
          0.0_dp, members, error)
-      if (.not. raised(error)) call find_reference(scene, kind, members, scene%t_end, 1, limit_in(20.0_dp, .false.), &
+      if (.not. raised(error)) call find_reference(scene, kind, members, scene%t_end, 1, &
+         limit_in(20.0_dp, .false.), &
          reference, error, &
                                                    1e-3_dp*scene%tol)
       if (raised(error)) return
@@ -352,7 +353,7 @@ contains
       ratio = 1
       call prepare_task(scene, request, task, list, contenders, again, failure)
       if (raised(failure)) return
-      call search_steps(task, contenders, exhaustive_slack, wall_seconds() + 20, watch)
+      call search_steps(task, contenders, exhaustive_slack, limit_in(20.0_dp, .false.), watch)
       call repeat_members(task%members, int(min(body_total(scene), 1024_i8)), many)
       if (task%members%together > 1) many = task%members
       call make_plan(scene, trim(answer%best%setup%method), plan_splitting(answer%best%setup), &

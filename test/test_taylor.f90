@@ -390,7 +390,8 @@ contains
          if (allocated(error)) return
       end do
       call judge_series(error, short, unrounded, "all effects")
-      if (.not. allocated(error)) call judge_series(error, [0.5_dp, 0.875_dp, 0.375_dp], unrounded, "flat")
+      if (.not. allocated(error)) call judge_series(error, [0.5_dp, 0.875_dp, 0.375_dp], &
+         unrounded, "flat")
    end subroutine test_quadruple
 
    subroutine judge_series(error, body, effects, what)

@@ -12,7 +12,7 @@ module poinsot_study_choose
    use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, quiet_scene, &
       list_candidates, &
       plan_splitting, label_of
-   use poinsot_study_clock, only: wall_seconds, limit_in
+   use poinsot_study_clock, only: processor_seconds, limit_in
    use poinsot_study_members, only: member_set, draw_members, repeat_members
    use poinsot_study_reference, only: reference_solution, find_reference
    use poinsot_study_search, only: problem, contender, search_steps, usual_slack
@@ -74,10 +74,11 @@ contains
       type(contender), allocatable :: contenders(:)
       type(problem) :: task
       real(dp) :: begun
-      begun = wall_seconds()
+      begun = processor_seconds()
       call prepare_task(scene, request, task, list, contenders, answer, error)
       if (raised(error)) return
-      call search_steps(task, contenders, usual_slack, begun + 0.8_dp*request%budget, watch)
+      call search_steps(task, contenders, usual_slack, limit_in(begun + 0.8_dp*request%budget - &
+         processor_seconds(), .false.), watch)
       if (all(contenders%met == 0)) then
          call reject(scene, request, list, contenders, task, error)
          return
@@ -85,7 +86,7 @@ contains
       call time_finalists(scene, request, task, list, contenders, begun + 0.97_dp*request%budget, &
          answer)
       answer%candidates = count(contenders%best_multiple > 0)
-      answer%seconds = wall_seconds() - begun
+      answer%seconds = processor_seconds() - begun
    end subroutine choose_method
 
    !> Reference, candidates, and the number of steps they must come in.
@@ -209,7 +210,7 @@ contains
       end do
       done = 0
       do round = 1, repeats
-         if (round > 1 .and. wall_seconds() > deadline) exit
+         if (round > 1 .and. processor_seconds() > deadline) exit
          do i = 1, n
             h = task%longest/real(contenders(at(i))%met, dp)
             call time_steps(contenders(at(i))%plan, many, h, contenders(at(i))%ns*max(1, &

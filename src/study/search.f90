@@ -5,7 +5,7 @@ module poinsot_study_search
    use poinsot_core_kinds, only: dp, i8
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_scene_watch, only: run_watch
-   use poinsot_study_clock, only: wall_seconds
+   use poinsot_study_clock, only: time_limit, now_by, left_of
    use poinsot_study_errors, only: end_state, compare_states
    use poinsot_study_members, only: member_set
    use poinsot_study_statistics, only: median
@@ -50,21 +50,21 @@ contains
 
    !> Run the race. Who is `slack` times dearer than another that meets the tolerance is out: with
    !> usual_slack a choice, with a large one an exhaustive search.
-   subroutine search_steps(task, contenders, slack, deadline, watch)
+   subroutine search_steps(task, contenders, slack, limit, watch)
       type(problem), intent(in) :: task
       type(contender), intent(inout) :: contenders(:)
       real(dp), intent(in) :: slack
-      real(dp), intent(in) :: deadline           !! on the wall clock
+      type(time_limit), intent(in) :: limit
       class(run_watch), intent(inout) :: watch
       integer(i8) :: multiple
       real(dp) :: begun
       integer :: i
-      begun = wall_seconds()
+      begun = now_by(limit)
       multiple = 1
       do while (any(contenders%running) .and. multiple < 2_i8**40/task%unit)
          do i = 1, size(contenders)
             if (.not. contenders(i)%running) cycle
-            if (wall_seconds() + estimate(task, contenders(i), multiple) > deadline .or. &
+            if (estimate(task, contenders(i), multiple) > left_of(limit) .or. &
                watch%stop_now()) then
                contenders(i)%running = .false.
                cycle
@@ -75,11 +75,11 @@ contains
                                                        slack*lowest_cost(contenders)
             if (stalled(contenders(i), multiple)) contenders(i)%running = .false.
             if (beaten(contenders, i, 2*slack)) contenders(i)%running = .false.
-            call watch%report_progress(wall_seconds() - begun, deadline - begun)
+            call watch%report_progress(now_by(limit) - begun, limit%at - begun)
          end do
          multiple = 2*multiple
       end do
-      call narrow(task, contenders, slack, deadline, watch)
+      call narrow(task, contenders, slack, limit, watch)
    end subroutine search_steps
 
    !> Rounding is reached, and shorter steps do not help.
@@ -164,11 +164,11 @@ contains
    end function lowest_cost
 
    !> Close in on the fewest steps of those that may still win.
-   subroutine narrow(task, contenders, slack, deadline, watch)
+   subroutine narrow(task, contenders, slack, limit, watch)
       type(problem), intent(in) :: task
       type(contender), intent(inout) :: contenders(:)
       real(dp), intent(in) :: slack
-      real(dp), intent(in) :: deadline
+      type(time_limit), intent(in) :: limit
       class(run_watch), intent(inout) :: watch
       integer(i8) :: multiple
       real(dp) :: expected, least
@@ -191,7 +191,7 @@ contains
          end do
          if (next == 0 .or. watch%stop_now()) return
          call guess_multiple(task, contenders(next), multiple)
-         if (wall_seconds() + estimate(task, contenders(next), multiple) > deadline) return
+         if (estimate(task, contenders(next), multiple) > left_of(limit)) return
          call try_steps(task, multiple, contenders(next))
       end do
    end subroutine narrow

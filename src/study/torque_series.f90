@@ -127,8 +127,8 @@ contains
       at = size(problem%seen)
    end subroutine see
 
-   !> Carry (y, q) from t0 to t1; |q| = 1 at the end. Not finished with `most_steps` steps: `done` is
-   !> false, the state is of no use.
+   !> Carry (y, q) from t0 to t1; |q| = 1 at the end. Not finished with `most_steps` steps: `done`
+   !> is false, the state is of no use.
    pure subroutine turn_under_torque(problem, accuracy, t0, t1, most_steps, y, q, done)
       type(torque_problem), intent(in) :: problem
       type(series_accuracy), intent(in) :: accuracy
