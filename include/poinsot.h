@@ -246,8 +246,11 @@ typedef struct poinsot_bodies {
   ptrdiff_t class_stride;  /* of body_class, in ints; 0 = 1 */
   const int *y_at, *q_at;  /* [n] rows of y (and y_fourth) and of q, from 0; NULL: body i is row i. All other arrays go by i */
   size_t rows;             /* how many rows there are: an index not below it, or negative, is POINSOT_E_SIZE; 0: only negative ones */
-  const double *scale;     /* [n] moments of body i over those of its class; NULL: 1 */
-  const double *moments[3]; /* or moments for each body, in the principal frame; body_class, if given, says on whom effects act */
+  const double *scale;     /* [n] moments of body i over those of its class; NULL: 1. Bodies of one shape and any size cost what
+                              those of a class do (taylor: more). One that is not positive: that body's POINSOT_E_DOMAIN */
+  const double *moments[3]; /* or moments for each body, about the principal axes of its class if it has one; body_class, if given,
+                              says on whom effects act. A plan needs no class then. For methods "exact" and "jacobi", splittings
+                              without force gradient, effects that need no moments; others: POINSOT_E_METHOD; so is scale beside it */
   ptrdiff_t moments_stride; /* in doubles; 0 = 1 */
 } poinsot_bodies;
 

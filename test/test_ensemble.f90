@@ -27,6 +27,7 @@ module test_ensemble
       same_bits, turned_tensor
    use test_ensemble_bits, only: collect_bits
    use test_ensemble_every, only: collect_every
+   use test_ensemble_own, only: collect_own
    use test_expectation, only: expect
    implicit none(type, external)
    private
@@ -48,7 +49,7 @@ contains
 
    subroutine collect_ensemble(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: bits(:), every(:)
+      type(unittest_type), allocatable :: bits(:), every(:), own(:)
       testsuite = [ &
          new_unittest("momentum-variables-mean-what-they-say", test_variables), &
          new_unittest("momentum-variables-move-alike", test_alike), &
@@ -66,7 +67,8 @@ contains
          new_unittest("public-numbers", test_numbers)]
       call collect_bits(bits)
       call collect_every(every)
-      testsuite = [testsuite, bits, every]
+      call collect_own(own)
+      testsuite = [testsuite, bits, every, own]
    end subroutine collect_ensemble
 
    !> A body's state in one of the five variables, by the algebra of room rotation; axes: the
@@ -522,9 +524,6 @@ contains
             number == 6), &
             "accepted: "//bad(2, number))
       end do
-      call clear(problem)
-      call make_ready(plan, problem)
-      call expect(error, problem%code, poinsot_e_size, "a plan without class")
       call clear(problem)
       call drift_bodies(plan, view, 0.1_dp, status, problem)
       call expect(error, status, poinsot_e_domain, "a plan that is not ready")

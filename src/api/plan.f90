@@ -14,7 +14,7 @@ module poinsot_api_plan
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, class_axes, &
       set_option, &
       add_effect
-   use poinsot_ensemble_step, only: check_ready
+   use poinsot_ensemble_check, only: check_ready
    implicit none(type, external)
    private
    public :: plan_handle, open_plan

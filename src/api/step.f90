@@ -9,9 +9,10 @@ module poinsot_api_step
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_null
    use poinsot_ensemble_bodies, only: body_view, column, open_column
+   use poinsot_ensemble_check, only: check_ready
    use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
-   use poinsot_ensemble_step, only: check_ready, drift_bodies, kick_bodies, step_bodies
+   use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    implicit none(type, external)
    private
 

@@ -6,7 +6,8 @@ module poinsot_effect_drag
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, flow_effect
    use poinsot_effect_terms, only: torque_terms
-   use poinsot_effect_friction, only: get_friction, full_flow, apply_flow
+   use poinsot_effect_friction, only: get_friction, full_flow, apply_flow, &
+      apply_full_each, decay_rate
    use poinsot_effect_settings, only: setting, effect_info, number_key, per_axis
    implicit none(type, external)
    private
@@ -49,7 +50,7 @@ contains
    end subroutine make_drag
 
    !> A zero moment has 1/I = 0: its momentum, which is zero, stays.
-   subroutine apply(self, class, h, seed, id, step, half, q, y)
+   subroutine apply(self, class, h, seed, id, step, half, q, y, scale)
       class(drag), intent(in) :: self
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h
@@ -59,11 +60,22 @@ contains
       integer, intent(in) :: half
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
+      real(dp), intent(in), optional :: scale(lanes)
       real(dp) :: decay(3, 3), noise(3, 3)
       integer :: j
       associate (unused_1 => seed, unused_2 => id, unused_3 => step, unused_4 => half, &
          unused_5 => q)
       end associate
+      if (present(scale)) then
+         if (allocated(self%full)) then
+            call apply_full_each(class, self%full, h, 0.0_dp, scale, y)
+         else
+            do j = 1, 3
+               y(:, j) = exp(-decay_rate(self%friction(j)*class%inverse(j)*h, scale))*y(:, j)
+            end do
+         end if
+         return
+      end if
       if (allocated(self%full)) then
          call full_flow(class, self%full, h, 0.0_dp, decay, noise)
          call apply_flow(decay, y)

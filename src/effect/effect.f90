@@ -20,6 +20,7 @@ module poinsot_effect_effect
       integer :: class_index = 0     !! the body class it acts on, counted from 1; 0 = all of them
    contains
       procedure :: acts_on
+      procedure :: uses_moments => no_moments
       procedure :: add_terms => add_no_terms
    end type effect
 
@@ -42,6 +43,7 @@ module poinsot_effect_effect
    type, abstract, extends(effect) :: flow_effect
    contains
       procedure(apply), deferred :: apply
+      procedure :: uses_moments => moments_of_flow
       procedure :: only_forward => not_only_forward
    end type flow_effect
 
@@ -88,7 +90,7 @@ module poinsot_effect_effect
       end subroutine add_energy
 
       !> The flow over a time h: half the step, before it (half = 0) and after it (half = 1).
-      subroutine apply(self, class, h, seed, id, step, half, q, y)
+      subroutine apply(self, class, h, seed, id, step, half, q, y, scale)
          import :: flow_effect, body_class, dp, i8, lanes
          implicit none(type, external)
          class(flow_effect), intent(in) :: self
@@ -100,6 +102,8 @@ module poinsot_effect_effect
          integer, intent(in) :: half             !! 0 before the step, 1 after it
          real(dp), intent(in) :: q(lanes, 4)     !! attitudes: a torque at them stays valid
          real(dp), intent(inout) :: y(lanes, 3)  !! angular momenta
+         real(dp), intent(in), optional :: scale(lanes) !! moments over those of the class; absent:
+                                                        !! they are those of the class
       end subroutine apply
 
       !> sources(:, body(i)) = what the other bodies need to know of lane i; body = 0 is padding.
@@ -224,6 +228,23 @@ contains
          unused_4 => q, unused_5 => delta, unused_6 => sources, unused_7 => changes, unused_8 => dg)
       end associate
    end subroutine add_no_pair_derivative
+
+   !> Does it depend on the moments of inertia? A torque that does must be proportional to them, and
+   !> to those of the class: bodies that are a number of times as heavy get so many times the
+   !> torque.
+   pure logical function no_moments(self)
+      class(effect), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      no_moments = .false.
+   end function no_moments
+
+   pure logical function moments_of_flow(self)
+      class(flow_effect), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      moments_of_flow = .true.
+   end function moments_of_flow
 
    !> Does an effect act on a body class?
    pure logical function acts_on(self, number)

@@ -11,7 +11,9 @@ module poinsot_effect_friction
    use poinsot_effect_settings, only: setting, effect_info, get_values
    implicit none(type, external)
    private
-   public :: get_friction, full_flow, apply_flow, lost
+   public :: get_friction, full_flow, apply_flow, apply_full_each, decay_rate, lost
+
+   real(dp), parameter :: longest_decay = 1e4_dp !! what is left after it is less than any number
 
 contains
 
@@ -39,12 +41,13 @@ contains
    end subroutine get_friction
 
    !> y(h) = decay y + noise xi of a full matrix. A zero moment has no part in it.
-   pure subroutine full_flow(class, full, h, temperature, decay, noise)
+   pure subroutine full_flow(class, full, h, temperature, decay, noise, scale)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: full(3, 3)        !! F, principal frame
       real(dp), intent(in) :: h                 !! positive
       real(dp), intent(in) :: temperature       !! kT
       real(dp), intent(out) :: decay(3, 3), noise(3, 3)
+      real(dp), intent(in), optional :: scale   !! moments over those of the class
       real(dp) :: root(3), inverse(3), s(3, 3), v(3, 3), rate
       integer :: i, j, k
       root = sqrt(class%moments)
@@ -56,6 +59,7 @@ contains
       decay = 0
       do k = 1, 3
          rate = max(s(k, k), 0.0_dp)*h
+         if (present(scale)) rate = decay_rate(rate, scale)
          noise(:, k) = sqrt(temperature)*root*v(:, k)*sqrt(lost(rate))
          do j = 1, 3
             do i = 1, 3
@@ -64,6 +68,32 @@ contains
          end do
       end do
    end subroutine full_flow
+
+   !> A rate times a time, of a body that is `scale` times as heavy: no more than can be told from
+   !> infinite.
+   elemental real(dp) function decay_rate(rate, scale)
+      real(dp), intent(in) :: rate, scale
+      decay_rate = longest_decay
+      if (exponent(rate) - exponent(scale) < exponent(longest_decay)) decay_rate = rate/scale
+   end function decay_rate
+
+   !> The flow of a full matrix for bodies of one shape and different sizes.
+   pure subroutine apply_full_each(class, full, h, temperature, scale, y, xi)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: full(3, 3)        !! F, principal frame
+      real(dp), intent(in) :: h                 !! positive
+      real(dp), intent(in) :: temperature       !! kT
+      real(dp), intent(in) :: scale(lanes)      !! moments over those of the class
+      real(dp), intent(inout) :: y(lanes, 3)
+      real(dp), intent(in), optional :: xi(lanes, 3) !! Gaussian numbers, if there is noise
+      real(dp) :: decay(3, 3), noise(3, 3)
+      integer :: l
+      do l = 1, lanes
+         call full_flow(class, full, h, temperature, decay, noise, scale(l))
+         y(l, :) = matmul(decay, y(l, :))
+         if (present(xi)) y(l, :) = y(l, :) + sqrt(scale(l))*matmul(noise, xi(l, :))
+      end do
+   end subroutine apply_full_each
 
    !> y = m y, lane by lane.
    pure subroutine apply_flow(m, y)

@@ -25,6 +25,7 @@ module poinsot_effect_gravity_gradient
       procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
+      procedure :: uses_moments
       procedure :: add_derivative
    end type gravity_gradient
 
@@ -117,6 +118,13 @@ contains
       end associate
       has_gradient = .true.
    end function has_gradient
+
+   pure logical function uses_moments(self)
+      class(gravity_gradient), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      uses_moments = .true.
+   end function uses_moments
 
    !> kappa [(n x delta) x Jn + n x J(n x delta)]
    subroutine add_derivative(self, class, t, q, delta, dg)

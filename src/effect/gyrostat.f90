@@ -18,6 +18,8 @@ module poinsot_effect_gyrostat
    !> Body with an internal rotor. A class carries the sum of its rotors (body_class%rotor).
    type, extends(effect) :: gyrostat
       real(dp) :: rotor(3) = 0   !! angular momentum s of the rotor relative to the body, body frame
+   contains
+      procedure :: uses_moments
    end type gyrostat
 
    real(dp), parameter :: longest_turn = 1e15_dp !! radians; beyond, no digit of the angle is right
@@ -50,58 +52,102 @@ contains
       made = new
    end subroutine make_gyrostat
 
+   pure logical function uses_moments(self)
+      class(gyrostat), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      uses_moments = .true.
+   end function uses_moments
+
    !> Is the turn over h beyond 1e15 radians? Exponents first: the product may leave the range.
-   pure logical function turn_is_too_long(class, h)
+   elemental logical function turn_is_too_long(class, h, scale)
       type(body_class), intent(in) :: class   !! with its rotor
       real(dp), intent(in) :: h               !! any sign
+      real(dp), intent(in) :: scale           !! moments over those of the class
       real(dp) :: size
       size = norm2(class%inverse*class%rotor)
       turn_is_too_long = .false.
       if (.not. (size > 0 .and. abs(h) > 0)) return
-      turn_is_too_long = exponent(size) + exponent(h) > exponent(longest_turn) + 1
-      if (.not. turn_is_too_long) turn_is_too_long = size*abs(h) > longest_turn
+      turn_is_too_long = exponent(size) + exponent(h) - exponent(scale) &
+         > exponent(longest_turn) + 1
+      if (.not. turn_is_too_long) turn_is_too_long = turn_angle(size, abs(h), scale) > longest_turn
    end function turn_is_too_long
 
+   !> rate h/scale, nothing beyond the range of numbers on the way.
+   elemental real(dp) function turn_angle(rate, h, scale)
+      real(dp), intent(in) :: rate, h, scale
+      integer :: power
+      power = exponent(rate) + exponent(h) - exponent(scale)
+      turn_angle = fraction(rate)*fraction(h)/fraction(scale)
+      turn_angle = turn_angle*2.0_dp**max(-1000, min(1000, power))
+   end function turn_angle
+
    !> The exact turn over h, as increments of y and q: y + dy, q + dq is the state after it.
-   pure subroutine turn_increment(class, h, y, q, dy, dq)
+   pure subroutine turn_increment(class, h, y, q, dy, dq, scale)
       type(body_class), intent(in) :: class   !! with its rotor
       real(dp), intent(in) :: h               !! any sign
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3)
       real(dp), intent(out) :: dq(lanes, 4)
-      real(dp) :: rate(3), size, angle, r0, r(3), c0, x1, x2, x3
+      real(dp), intent(in), optional :: scale(lanes) !! moments over those of the class
+      real(dp) :: size, x1, x2, x3
+      real(dp), dimension(lanes) :: r0, c0, r1, r2, r3
       integer :: i
-      rate = -class%inverse*class%rotor
-      size = norm2(rate)
-      r = 0
-      angle = 0.5_dp*h*size
-      if (size > 0) r = sin(angle)*(rate/size)
-      r0 = cos(angle)
-      c0 = -2*sin(0.5_dp*angle)**2   ! cos(angle) - 1 without cancellation
+      size = norm2(class%inverse*class%rotor)
+      if (present(scale)) then
+         call turn_by(class, 0.5_dp*turn_angle(size, h, scale), r0, c0, r1, r2, r3)
+      else
+         call turn_by(class, 0.5_dp*h*size, r0(1), c0(1), r1(1), r2(1), r3(1))
+         do i = 2, lanes
+            r0(i) = r0(1)
+            c0(i) = c0(1)
+            r1(i) = r1(1)
+            r2(i) = r2(1)
+            r3(i) = r3(1)
+         end do
+      end if
       !$omp simd private(x1, x2, x3)
       do i = 1, lanes
-         x1 = 2*(y(i, 2)*r(3) - y(i, 3)*r(2))
-         x2 = 2*(y(i, 3)*r(1) - y(i, 1)*r(3))
-         x3 = 2*(y(i, 1)*r(2) - y(i, 2)*r(1))
-         dy(i, 1) = r0*x1 + (x2*r(3) - x3*r(2))
-         dy(i, 2) = r0*x2 + (x3*r(1) - x1*r(3))
-         dy(i, 3) = r0*x3 + (x1*r(2) - x2*r(1))
-         dq(i, 1) = q(i, 1)*c0 - (q(i, 2)*r(1) + q(i, 3)*r(2) + q(i, 4)*r(3))
-         dq(i, 2) = q(i, 2)*c0 + (q(i, 1)*r(1) + (q(i, 3)*r(3) - q(i, 4)*r(2)))
-         dq(i, 3) = q(i, 3)*c0 + (q(i, 1)*r(2) + (q(i, 4)*r(1) - q(i, 2)*r(3)))
-         dq(i, 4) = q(i, 4)*c0 + (q(i, 1)*r(3) + (q(i, 2)*r(2) - q(i, 3)*r(1)))
+         x1 = 2*(y(i, 2)*r3(i) - y(i, 3)*r2(i))
+         x2 = 2*(y(i, 3)*r1(i) - y(i, 1)*r3(i))
+         x3 = 2*(y(i, 1)*r2(i) - y(i, 2)*r1(i))
+         dy(i, 1) = r0(i)*x1 + (x2*r3(i) - x3*r2(i))
+         dy(i, 2) = r0(i)*x2 + (x3*r1(i) - x1*r3(i))
+         dy(i, 3) = r0(i)*x3 + (x1*r2(i) - x2*r1(i))
+         dq(i, 1) = q(i, 1)*c0(i) - (q(i, 2)*r1(i) + q(i, 3)*r2(i) + q(i, 4)*r3(i))
+         dq(i, 2) = q(i, 2)*c0(i) + (q(i, 1)*r1(i) + (q(i, 3)*r3(i) - q(i, 4)*r2(i)))
+         dq(i, 3) = q(i, 3)*c0(i) + (q(i, 1)*r2(i) + (q(i, 4)*r1(i) - q(i, 2)*r3(i)))
+         dq(i, 4) = q(i, 4)*c0(i) + (q(i, 1)*r3(i) + (q(i, 2)*r2(i) - q(i, 3)*r1(i)))
       end do
    end subroutine turn_increment
 
-   !> u += (y - s).J^-1 (y - s)/2, the kinetic energy that stands in for y.J^-1 y/2.
-   pure subroutine add_kinetic(class, y, u)
+   !> The quaternion of a turn: cos(angle), cos(angle) - 1 without cancellation, and the vector.
+   elemental subroutine turn_by(class, angle, r0, c0, r1, r2, r3)
       type(body_class), intent(in) :: class   !! with its rotor
+      real(dp), intent(in) :: angle           !! half of the turn
+      real(dp), intent(out) :: r0, c0, r1, r2, r3
+      real(dp) :: rate(3), size, r(3)
+      rate = -class%inverse*class%rotor
+      size = norm2(rate)
+      r = 0
+      if (size > 0) r = sin(angle)*(rate/size)
+      r0 = cos(angle)
+      c0 = -2*sin(0.5_dp*angle)**2
+      r1 = r(1)
+      r2 = r(2)
+      r3 = r(3)
+   end subroutine turn_by
+
+   !> u += (y - s).J^-1 (y - s)/2, the kinetic energy that stands in for y.J^-1 y/2.
+   pure subroutine add_kinetic(rotor, inverse, y, u)
+      real(dp), intent(in) :: rotor(3)          !! momentum s of the rotors
+      real(dp), intent(in) :: inverse(lanes, 3) !! 1/moment
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: u(lanes)
       integer :: j
       do j = 1, 3
-         u = u + 0.5_dp*class%inverse(j)*(y(:, j) - class%rotor(j))**2
+         u = u + 0.5_dp*inverse(:, j)*(y(:, j) - rotor(j))**2
       end do
    end subroutine add_kinetic
 

@@ -6,7 +6,8 @@ module poinsot_effect_langevin
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, flow_effect
-   use poinsot_effect_friction, only: get_friction, full_flow, apply_flow, lost
+   use poinsot_effect_friction, only: get_friction, full_flow, apply_flow, &
+      apply_full_each, decay_rate, lost
    use poinsot_effect_gaussian, only: gaussian_block
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, per_axis
    implicit none(type, external)
@@ -59,7 +60,7 @@ contains
    end subroutine make_langevin
 
    !> A zero moment gets neither friction nor noise.
-   subroutine apply(self, class, h, seed, id, step, half, q, y)
+   subroutine apply(self, class, h, seed, id, step, half, q, y, scale)
       class(langevin), intent(in) :: self
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h
@@ -69,11 +70,24 @@ contains
       integer, intent(in) :: half
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
-      real(dp) :: xi(lanes, 3), x, width, decay(3, 3), noise(3, 3)
+      real(dp), intent(in), optional :: scale(lanes)
+      real(dp) :: xi(lanes, 3), x, width, decay(3, 3), noise(3, 3), rate(lanes)
       integer :: j
       associate (unused => q)
       end associate
       call gaussian_block(seed, id, step, half, xi)
+      if (present(scale)) then
+         if (allocated(self%full)) then
+            call apply_full_each(class, self%full, h, self%temperature, scale, y, xi)
+            return
+         end if
+         do j = 1, 3
+            rate = decay_rate(self%friction(j)*class%inverse(j)*h, scale)
+            y(:, j) = exp(-rate)*y(:, j) &
+               + sqrt(self%temperature*class%moments(j))*sqrt(scale)*sqrt(lost(rate))*xi(:, j)
+         end do
+         return
+      end if
       if (allocated(self%full)) then
          call full_flow(class, self%full, h, self%temperature, decay, noise)
          call apply_flow(decay, y)

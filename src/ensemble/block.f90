@@ -13,7 +13,8 @@ module poinsot_ensemble_block
       poinsot_e_not_unit, poinsot_e_axis_momentum
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_free_limits, only: reject_speed
+   use poinsot_free_lane_moments, only: lane_moments, take_scale, take_moments
+   use poinsot_free_limits, only: reject_speed, reject_speed_each
    use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, to_native, from_native
    use poinsot_ensemble_transfer, only: arrays, find_layout, copy_in, copy_out
    use poinsot_splitting_block_flows, only: block_flows
@@ -29,6 +30,7 @@ module poinsot_ensemble_block
       integer :: momentum = body_momentum          !! the momentum variable
       logical :: principal = .false.               !! the arrays are in principal frames, whatever
                                                    !! frame a class was given in
+      logical :: has_own = .false.                 !! bodies have moments of their own
       logical :: wants_id = .false.                !! random numbers are drawn by body
    end type host_arrays
 
@@ -54,15 +56,17 @@ contains
       call find_layout(view%q, 4, host%q)
       host%y%scattered = associated(view%y_at)
       host%q%scattered = associated(view%q_at)
+      host%has_own = associated(view%scale) .or. associated(view%moments(1)%of)
    end subroutine open_host
 
    !> Fill a block with n bodies of one class and check them.
-   subroutine load_block(host, at, n, number, class, b)
+   subroutine load_block(host, at, n, number, class, own, b)
       type(host_arrays), intent(in) :: host
       integer, intent(in) :: n                     !! bodies, 1 to lanes
       integer, intent(in) :: at(n)                 !! their places
       integer, intent(in) :: number                !! their class
       type(body_class), intent(in), target :: class
+      type(lane_moments), intent(inout), target :: own !! room for moments of the bodies' own
       type(block_flows), intent(inout) :: b
       real(dp) :: p(lanes, 4)
 
@@ -74,9 +78,12 @@ contains
       b%status = poinsot_ok
       b%stored = .false.
       b%drops = .false.
+      nullify (b%own)
       if (n < lanes) call rest(n + 1, lanes, b%y, b%q)
       call take(host%q, host%view%q_at, at, n, b%q)
-      if (host%momentum == body_momentum .and. .not. is_turned(host, class)) then
+      if (host%has_own) then
+         call load_own(host, at, own, b)
+      else if (host%momentum == body_momentum .and. .not. is_turned(host, class)) then
          call take(host%y, host%view%y_at, at, n, b%y)
          call reject(b%nvec, 3, [class%limit, 0.0_dp], b%y, b%q, b%status)
       else
@@ -86,11 +93,50 @@ contains
          call to_native(host%momentum, is_turned(host, class), class, p, b%y, b%q)
          call reject_speed(class, b%y, b%status)
       end if
-      if (class%sorted(1) <= 0) call reject_axis_momentum(class, b)
+      if (class%sorted(1) <= 0 .and. .not. host%has_own) then
+         call reject_axis_momentum(spread(class%inverse, 1, lanes), b)
+      end if
       if (host%wants_id) call load_id(host%view, b)
       b%compensated = associated(host%view%carry)
       if (b%compensated) call load_carry(host%view, b)
    end subroutine load_block
+
+   !> Bodies with moments of their own.
+   subroutine load_own(host, at, own, b)
+      type(host_arrays), intent(in) :: host
+      integer, intent(in) :: at(:)                 !! places of the bodies
+      type(lane_moments), intent(inout), target :: own
+      type(block_flows), intent(inout) :: b
+      real(dp) :: p(lanes, 4), moments(lanes, 3), factor(lanes)
+      integer :: j, l
+      if (associated(host%view%scale)) then
+         factor = 1
+         do l = 1, b%n
+            factor(l) = host%view%scale(at(l))
+         end do
+         call take_scale(b%class, factor, own, b%status)
+      else
+         moments = 1
+         do j = 1, 3
+            do l = 1, b%n
+               moments(l, j) = host%view%moments(j)%of(at(l))
+            end do
+         end do
+         call take_moments(moments, b%nvec, own, b%status)
+      end if
+      b%own => own
+      p = 0
+      call take(host%y, host%view%y_at, at, b%n, p)
+      call reject(b%nvec, 4, [huge(p), huge(p), huge(p), huge(p)], p, b%q, b%status)
+      do l = 1, b%n
+         if (b%status(l) == poinsot_ok) cycle
+         p(l, :) = 0
+         call rest(l, l, p, b%q)
+      end do
+      call to_native(host%momentum, is_turned(host, b%class), b%class, p, b%y, b%q, own)
+      call reject_speed_each(own%limit, b%y, b%status, b%nvec)
+      if (own%linear) call reject_axis_momentum(own%inverse, b)
+   end subroutine load_own
 
    !> Bodies at n places into a block: the rows of the array are their places, or what the caller
    !> says.
@@ -276,15 +322,15 @@ contains
 
    !> Momentum about an axis without inertia is refused; what few digits and rounding leave there is
    !> dropped, in the caller's array too unless turning there and back would leave as much again.
-   pure subroutine reject_axis_momentum(class, b)
-      type(body_class), intent(in) :: class
+   pure subroutine reject_axis_momentum(inverse, b)
+      real(dp), intent(in) :: inverse(lanes, 3) !! moments; 0: no inertia
       type(block_flows), intent(inout) :: b
       real(dp) :: length
       integer :: j, l
       b%dropped = .false.
       do j = 1, 3
-         if (class%inverse(j) > 0) cycle
          do l = 1, b%n
+            if (inverse(l, j) > 0) cycle
             length = norm2(b%y(l, :))
             if (abs(b%y(l, j)) > axis_slack*length) then
                if (b%status(l) == poinsot_ok) b%status(l) = poinsot_e_axis_momentum
@@ -293,8 +339,8 @@ contains
                b%dropped(l) = .true.
                b%drops = .true.
             end if
+            b%y(l, j) = 0
          end do
-         b%y(:, j) = 0
       end do
    end subroutine reject_axis_momentum
 
@@ -317,7 +363,7 @@ contains
          if (.not. keep_momentum) call give(host%y, host%view%y_at, b%at, n, b%y)
          if (.not. keep_attitude) call give(host%q, host%view%q_at, b%at, n, b%q)
       else
-         call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, b%q, p)
+         call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, b%q, p, b%own)
          call pack_lanes(b, p, at, n)
          if (n > 0 .and. .not. keep_momentum) call give(host%y, host%view%y_at, at, n, p)
          if (n > 0 .and. .not. keep_attitude) call give(host%q, host%view%q_at, at, n, b%q)
@@ -337,7 +383,7 @@ contains
       real(dp) :: q(lanes, 4)
       integer :: l
       q = b%q
-      call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, q, p)
+      call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, q, p, b%own)
       do l = 1, b%n
          if (.not. b%dropped(l) .or. b%status(l) /= poinsot_ok) cycle
          p(1, :) = p(l, :)

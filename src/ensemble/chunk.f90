@@ -59,7 +59,13 @@ contains
       h%done = 0
       h%n = last - h%first + 1
       h%one_class = .not. associated(view%body_class)
-      if (.not. h%one_class) call sort_by_class(view, classes, last, h, refused)
+      if (.not. h%one_class) then
+         call sort_by_class(view, classes, last, h, refused)
+      else if (classes < 1 .and. .not. associated(view%moments(1)%of)) then
+         h%n = 0
+         refused = .true.
+         if (associated(view%status)) view%status(h%first:last) = poinsot_e_domain
+      end if
    end subroutine collect_chunk
 
    !> Classes that are there, in the order of their places; then sorted if they are not.

@@ -2,8 +2,7 @@
 module poinsot_ensemble_compose
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
-      poinsot_e_size
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method
    use poinsot_body_class, only: extend_class
    use poinsot_effect_effect, only: effect, effect_item, flow_effect, pair_effect
    use poinsot_effect_frame, only: depends_on_frame, turn_settings, turn_class_vectors, &
@@ -12,7 +11,7 @@ module poinsot_ensemble_compose
    use poinsot_effect_registry, only: describe_effect, effect_number, remake_effect
    use poinsot_effect_settings, only: setting, effect_info
    use poinsot_effect_terms, only: torque_terms
-   use poinsot_ensemble_plan, only: poinsot_plan, grow, refused
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, grow, refused
    use poinsot_free_method, only: find_method
    use poinsot_rotation_conversions, only: to_matrix
    use poinsot_splitting_block_flows, only: block_flows
@@ -32,11 +31,12 @@ contains
    subroutine make_ready(plan, error)
       type(poinsot_plan), intent(inout) :: plan
       type(poinsot_error), intent(inout) :: error
+      integer :: unused
       if (refused(plan, error)) return
-      if (.not. allocated(plan%classes)) then
-         call raise(error, poinsot_e_size, &
-            "plan: add at least one body class before it is made ready")
-         return
+      if (.not. allocated(plan%classes)) then ! bodies have moments of their own, if there are any
+         call add_class(plan, [1.0_dp, 1.0_dp, 1.0_dp], unused, error)
+         if (raised(error)) return
+         plan%classless = .true.
       end if
       if (.not. associated(plan%method%increment)) call find_method("exact", plan%method, error)
       if (plan%splitting%name == "") call find_splitting("srkn6", plan%splitting, error)
@@ -44,6 +44,9 @@ contains
       call check_classes(plan, error)
       if (.not. raised(error)) call compose_all(plan, error)
       plan%ready = .not. raised(error)
+      if (plan%ready .or. .not. plan%classless) return
+      deallocate (plan%classes)
+      plan%classless = .false.
    end subroutine make_ready
 
    !> Every class that an effect names must be there.
@@ -65,7 +68,7 @@ contains
                        "another temperature; take one without a processor, 'strang' or 'srkn6'")
             return
          end if
-         if (plan%effects(i)%it%class_index > size(plan%classes)) then
+         if (plan%effects(i)%it%class_index > plan%class_count()) then
             call raise(error, poinsot_e_domain, "effect '"//trim(plan%effects(i)%it%name)// &
                        "' acts on a body class that the plan does not have")
             return

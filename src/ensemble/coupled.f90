@@ -25,7 +25,7 @@ contains
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
       class(torque_callback), intent(inout), optional, target :: callback
-      type(ensemble_flows) :: system
+      type(ensemble_flows), target :: system
       type(saved_state), allocatable :: before(:)
       integer(i8) :: k
       integer :: state
@@ -72,7 +72,7 @@ contains
       real(dp), intent(inout) :: kinetic(:), potential(:) !! (n)
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
-      type(ensemble_flows) :: system
+      type(ensemble_flows), target :: system
       real(dp) :: e(lanes), u(lanes)
       logical :: failed
       integer :: k, l

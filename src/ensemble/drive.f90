@@ -13,6 +13,7 @@ module poinsot_ensemble_drive
       next_block
    use poinsot_ensemble_layout, only: body_momentum
    use poinsot_ensemble_plan, only: poinsot_plan
+   use poinsot_free_lane_moments, only: lane_moments
    use poinsot_splitting_block_flows, only: block_flows
    !$ use omp_lib, only: omp_in_parallel, omp_get_max_threads
    implicit none(type, external)
@@ -108,18 +109,19 @@ contains
       logical, intent(inout) :: failed
       type(class_sorted_chunk) :: h
       type(block_flows) :: b
+      type(lane_moments) :: own
       type(body_class), pointer :: class
       integer :: at(lanes), n, c, classes
 
       classes = 1
-      if (associated(job%plan)) classes = size(job%plan%classes)
+      if (associated(job%plan)) classes = job%plan%class_count()
       call collect_chunk(host%view, classes, length, k, h, failed)
       do
          call next_block(h, n, c, at)
          if (n == 0) exit
          class => job%class
          if (associated(job%plan)) class => job%plan%classes(c)
-         call load_block(host, at(:n), n, c, class, b)
+         call load_block(host, at(:n), n, c, class, own, b)
          call job%run(b)
          if (job%read_only) then
             call store_status(host%view, b)

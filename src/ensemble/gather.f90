@@ -32,7 +32,7 @@ contains
    subroutine gather_all(plan, view, system, failed, error)
       type(poinsot_plan), intent(in), target :: plan !! ready
       type(body_view), intent(in) :: view            !! the caller's arrays
-      type(ensemble_flows), intent(inout) :: system  !! all blocks
+      type(ensemble_flows), intent(inout), target :: system  !! all blocks; blocks point into it
       logical, intent(inout) :: failed               !! set if a body is refused
       type(poinsot_error), intent(inout) :: error
       integer :: blocks
@@ -57,7 +57,7 @@ contains
       end if
       blocks = count_blocks(plan, view, failed)
       system%team = team_size(plan, blocks)
-      call make_room(plan, blocks, system, error)
+      call make_room(plan, view, blocks, system, error)
       if (raised(error)) return
       call load_all(plan, view, system, failed)
    end subroutine gather_all
@@ -72,7 +72,7 @@ contains
       blocks = 0
       length = chunk_length(view, 1)
       do c = 1, chunk_count(view%n, length)
-         call collect_chunk(view, size(plan%classes), length, c, h, failed)
+         call collect_chunk(view, plan%class_count(), length, c, h, failed)
          do
             call next_block(h, n, class, at)
             if (n == 0) exit
@@ -92,13 +92,18 @@ contains
       team = max(1, min(team, blocks/blocks_per_thread))
    end function team_size
 
-   subroutine make_room(plan, blocks, system, error)
+   subroutine make_room(plan, view, blocks, system, error)
       type(poinsot_plan), intent(in) :: plan
+      type(body_view), intent(in) :: view
       integer, intent(in) :: blocks
       type(ensemble_flows), intent(inout) :: system
       type(poinsot_error), intent(inout) :: error
       integer :: state
       allocate (system%at(blocks), stat=state)
+      if (state == 0) then
+         allocate (system%own(merge(blocks, 1, associated(view%scale) .or. &
+                                    associated(view%moments(1)%of))), stat=state)
+      end if
       if (state == 0 .and. plan%coupled) then
          allocate (system%sources(3, system%n, size(plan%effects)), &
                    system%changes(3, system%n), stat=state)
@@ -114,7 +119,7 @@ contains
    subroutine load_all(plan, view, system, failed)
       type(poinsot_plan), intent(in), target :: plan
       type(body_view), intent(in), target :: view
-      type(ensemble_flows), intent(inout) :: system
+      type(ensemble_flows), intent(inout), target :: system
       logical, intent(inout) :: failed
       type(class_sorted_chunk) :: h
       type(host_arrays) :: host
@@ -124,12 +129,13 @@ contains
       k = 0
       length = chunk_length(view, 1)
       do c = 1, chunk_count(view%n, length)
-         call collect_chunk(view, size(plan%classes), length, c, h, failed)
+         call collect_chunk(view, plan%class_count(), length, c, h, failed)
          do
             call next_block(h, n, class, at)
             if (n == 0) exit
             k = k + 1
-            call load_block(host, at(:n), n, class, plan%classes(class), system%at(k))
+            call load_block(host, at(:n), n, class, plan%classes(class), &
+                            system%own(min(k, size(system%own))), system%at(k))
             system%at(k)%at(n + 1:) = 0
             call attach_plan(plan, system%at(k))
          end do

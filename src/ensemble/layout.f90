@@ -6,6 +6,7 @@
 module poinsot_ensemble_layout
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
+   use poinsot_free_lane_moments, only: lane_moments
    implicit none(type, external)
    private
    public :: momentum_names, body_momentum, space_momentum, body_velocity, space_velocity, &
@@ -33,7 +34,7 @@ contains
 
    !> p, the caller's momentum variable, and q, from the caller's body frame -> y and q of the
    !> principal frame. A velocity is I^-1 (y - s), s the momentum of the class's rotors.
-   pure subroutine to_native(momentum, turned, class, p, y, q)
+   pure subroutine to_native(momentum, turned, class, p, y, q, own)
       integer, intent(in) :: momentum            !! one of the five variables
       logical, intent(in) :: turned              !! the caller's body frame is class%axes, not the
                                                  !! principal one
@@ -41,6 +42,7 @@ contains
       real(dp), intent(in) :: p(lanes, 4)
       real(dp), intent(out) :: y(lanes, 3)
       real(dp), intent(inout) :: q(lanes, 4)
+      type(lane_moments), intent(in), optional :: own !! moments that are not those of the class
       real(dp) :: s(lanes, 4)
       integer :: l, j
       select case (momentum)
@@ -67,20 +69,25 @@ contains
       end if
       if (momentum == body_velocity .or. momentum == space_velocity) then
          do j = 1, 3
-            y(:, j) = y(:, j)*class%moments(j)
+            if (present(own)) then
+               y(:, j) = y(:, j)*own%moments(:, j)
+            else
+               y(:, j) = y(:, j)*class%moments(j)
+            end if
             if (class%has_rotor) y(:, j) = y(:, j) + class%rotor(j)
          end do
       end if
    end subroutine to_native
 
    !> The way back: y and q of the principal frame -> p and q of the caller.
-   pure subroutine from_native(momentum, turned, class, y, q, p)
+   pure subroutine from_native(momentum, turned, class, y, q, p, own)
       integer, intent(in) :: momentum
       logical, intent(in) :: turned
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: q(lanes, 4)
       real(dp), intent(out) :: p(lanes, 4)
+      type(lane_moments), intent(in), optional :: own
       real(dp) :: s(lanes, 4), v(lanes, 3), back(4)
       integer :: l, j
 
@@ -88,7 +95,11 @@ contains
       if (momentum == body_velocity .or. momentum == space_velocity) then
          do j = 1, 3
             if (class%has_rotor) v(:, j) = v(:, j) - class%rotor(j)
-            v(:, j) = v(:, j)*class%inverse(j)
+            if (present(own)) then
+               v(:, j) = v(:, j)*own%inverse(:, j)
+            else
+               v(:, j) = v(:, j)*class%inverse(j)
+            end if
          end do
       end if
       if (turned) then

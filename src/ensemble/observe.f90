@@ -5,15 +5,16 @@ module poinsot_ensemble_observe
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_size
    use poinsot_body_invariants, only: degrees_of_freedom
+   use poinsot_body_moments, only: accept_moments
    use poinsot_ensemble_block, only: reject_energies
    use poinsot_ensemble_bodies, only: body_view
+   use poinsot_ensemble_check, only: check_ready, check_moments, to_kick, to_observe
    use poinsot_ensemble_coupled, only: coupled_energy
    use poinsot_ensemble_drive, only: block_job, for_each_block
    use poinsot_ensemble_layout, only: from_native, space_momentum
    use poinsot_ensemble_compose, only: attach_plan
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_rotate, only: check_step
-   use poinsot_ensemble_step, only: check_ready
    use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
    private
@@ -49,6 +50,7 @@ contains
       kinetic = 0
       potential = 0
       call check_ready(plan, view, error)
+      if (.not. raised(error)) call check_moments(plan, view, to_observe, error)
       if (.not. raised(error)) call check_step(t, 1, error, "time t")
       if (.not. raised(error) .and. (size(kinetic) < view%n .or. size(potential) < view%n)) then
          call raise(error, poinsot_e_size, &
@@ -78,6 +80,7 @@ contains
       type(momentum_job) :: job
       momentum = 0
       call check_ready(plan, view, error)
+      if (.not. raised(error)) call check_moments(plan, view, to_kick, error)
       if (.not. raised(error) .and. (size(momentum, 1) < 3 .or. size(momentum, 2) < view%n)) then
          call raise(error, poinsot_e_size, "momenta: the array is not (3, n)")
       end if
@@ -93,21 +96,35 @@ contains
    integer function total_degrees_of_freedom(plan, view) result(total)
       type(poinsot_plan), intent(in) :: plan !! ready
       type(body_view), intent(in) :: view    !! the caller's arrays
-      integer :: i, c, each(size(plan%classes))
-      do c = 1, size(each)
-         each(c) = degrees_of_freedom(plan%classes(c)%moments)
-      end do
+      integer :: i, c, first
       total = 0
-      if (.not. associated(view%body_class)) then
-         total = view%n*each(1)
-         return
-      end if
+      first = 1
+      if (associated(view%body_class)) first = view%first_class
       do i = 1, view%n
-         c = view%body_class(i)
-         if (c >= view%first_class .and. c < view%first_class + size(each)) total = total &
-            + each(c - view%first_class + 1)
+         c = first
+         if (associated(view%body_class)) c = view%body_class(i)
+         if (associated(view%body_class) .and. &
+             (c < first .or. c >= first + plan%class_count())) cycle
+         if (associated(view%moments(1)%of)) then
+            total = total + own_degrees(view, i)
+         else if (plan%class_count() > 0) then
+            total = total + degrees_of_freedom(plan%classes(c - first + 1)%moments)
+         end if
       end do
    end function total_degrees_of_freedom
+
+   !> Of one body with moments of its own; 0 if no body has them.
+   integer function own_degrees(view, i)
+      type(body_view), intent(in) :: view
+      integer, intent(in) :: i
+      type(poinsot_error) :: refusal
+      real(dp) :: moments(3)
+      integer :: j
+      moments = [(view%moments(j)%of(i), j=1, 3)]
+      call accept_moments(moments, refusal)
+      own_degrees = 0
+      if (.not. raised(refusal)) own_degrees = degrees_of_freedom(moments)
+   end function own_degrees
 
    subroutine run_energy(self, b)
       class(energy_job), intent(inout) :: self

@@ -53,8 +53,11 @@ module poinsot_ensemble_plan
       type(taylor_problem), allocatable :: taylor(:) !! (classes), with splitting `taylor`
       type(taylor_orders) :: orders               !! of its series
       logical :: has_dissipation = .false.        !! of any class
+      logical :: classless = .false.              !! no class was added: bodies have moments of
+                                                  !! their own; the one class is a sphere unused
    contains
       procedure :: is_turned
+      procedure :: class_count
    end type poinsot_plan
 
 contains
@@ -65,6 +68,13 @@ contains
       type(body_class), intent(in) :: class
       is_turned = class%turned .and. .not. plan%principal
    end function is_turned
+
+   !> How many classes were added.
+   pure integer function class_count(plan)
+      class(poinsot_plan), intent(in) :: plan
+      class_count = 0
+      if (allocated(plan%classes) .and. .not. plan%classless) class_count = size(plan%classes)
+   end function class_count
 
    !> Add a body class by principal moments; bodies name it by its number.
    subroutine add_class(plan, moments, number, error, axes)
@@ -105,10 +115,7 @@ contains
       integer, intent(in) :: number                 !! of the class, from 1
       real(dp), intent(inout) :: axes(3, 3)
       type(poinsot_error), intent(inout) :: error   !! POINSOT_E_DOMAIN if there is no such class
-      integer :: classes
-      classes = 0
-      if (allocated(plan%classes)) classes = size(plan%classes)
-      if (number < 1 .or. number > classes) then
+      if (number < 1 .or. number > plan%class_count()) then
          call raise(error, poinsot_e_domain, "plan: there is no body class of that number")
       else
          axes = to_matrix(plan%classes(number)%axes)

@@ -3,28 +3,27 @@
 module poinsot_ensemble_step
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_method, &
-      poinsot_e_partial, poinsot_e_size
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, &
+      poinsot_e_size
    use poinsot_effect_effect, only: flow_effect
    use poinsot_ensemble_block, only: add_momentum, reject_values
-   use poinsot_ensemble_bodies, only: body_view, column, check_rows
+   use poinsot_ensemble_bodies, only: body_view, column
+   use poinsot_ensemble_check, only: check_ready, check_moments, to_drift, to_kick, to_step
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
    use poinsot_ensemble_drive, only: block_job, for_each_block
-   use poinsot_ensemble_layout, only: body_momentum, space_momentum, conjugate_momentum, &
-      turn_to_body
+   use poinsot_ensemble_layout, only: body_momentum, space_momentum, turn_to_body
    use poinsot_ensemble_compose, only: attach_plan, scheme_of
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_rotate, only: check_step
+   use poinsot_ensemble_taylor, only: run_taylor
    use poinsot_free_accumulate, only: add_kick, add_kick_compensated
-   use poinsot_free_limits, only: reject_speed
    use poinsot_splitting_block_flows, only: block_flows
    use poinsot_splitting_stepper, only: run_steps, apply_preprocessor, apply_postprocessor
    use poinsot_splitting_tableaux, only: splitting
-   use poinsot_taylor_integrate, only: integrate
    use poinsot_taylor_settings, only: taylor_time
    implicit none(type, external)
    private
-   public :: drift_bodies, kick_bodies, step_bodies, check_ready
+   public :: drift_bodies, kick_bodies, step_bodies
 
    !> Free rotation over h, with rotors.
    type, extends(block_job) :: drift_job
@@ -64,6 +63,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(drift_job) :: job
       call check_ready(plan, view, error)
+      if (.not. raised(error)) call check_moments(plan, view, to_drift, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       status = error%code
       if (raised(error)) return
@@ -83,6 +83,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(kick_job) :: job
       call check_ready(plan, view, error)
+      if (.not. raised(error)) call check_moments(plan, view, to_kick, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       status = error%code
       if (raised(error)) return
@@ -109,6 +110,7 @@ contains
       type(step_job) :: job
 
       call check_ready(plan, view, error)
+      if (.not. raised(error)) call check_moments(plan, view, to_step, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       if (.not. raised(error)) call check_step(t, 1, error, "time t")
       if (.not. raised(error)) call check_count(first, steps, error)
@@ -154,26 +156,6 @@ contains
       end do
    end subroutine check_direction
 
-   !> The plan must be ready, the view complete for its momentum variable.
-   subroutine check_ready(plan, view, error)
-      type(poinsot_plan), intent(in) :: plan
-      type(body_view), intent(in) :: view
-      type(poinsot_error), intent(inout) :: error
-      if (.not. plan%ready) then
-         call raise(error, poinsot_e_domain, "the plan is not ready: call plan_ready first")
-      else if (plan%momentum == conjugate_momentum .and. view%n > 0 .and. &
-         .not. associated(view%y(4)%of)) then
-         call raise(error, poinsot_e_size, &
-            "a conjugate momentum has four components: y_fourth is missing")
-      else if (associated(view%scale) .or. associated(view%moments(1)%of)) then
-         call raise(error, poinsot_e_method, &
-            "poinsot_bodies: scale and moments, for moments of " // &
-                    "each body's own, are not served")
-      else
-         call check_rows(view, error)
-      end if
-   end subroutine check_ready
-
    !> A torque whose product with the step would leave the range of numbers: the body fails.
    pure subroutine reject_strong(h, b, torque)
       real(dp), intent(in) :: h
@@ -209,21 +191,19 @@ contains
       end do
       call reject_values(b, dy)
       call reject_strong(self%h, b, dy)
-      if (self%same_frame .and. .not. b%compensated .and. all(b%class%inverse > 0)) then
+      if (self%same_frame .and. .not. b%compensated .and. .not. b%has_massless()) then
          call add_momentum(self%view, self%h*dy, b)
          return
       end if
       call turn_to_body(self%plan%space_torque, self%plan%is_turned(b%class), b%class, b%q, dy)
-      do j = 1, 3
-         dy(:, j) = self%h*dy(:, j)
-         if (.not. b%class%inverse(j) > 0) dy(:, j) = 0
-      end do
+      dy = self%h*dy
+      call b%mask_massless_axes(dy)
       if (b%compensated) then
          call add_kick_compensated(dy, b%y, b%carry)
       else
          call add_kick(dy, b%y)
       end if
-      call reject_speed(b%class, b%y, b%status)
+      call b%reject_fast()
    end subroutine run_kick
 
    subroutine run_step(self, b)
@@ -231,7 +211,7 @@ contains
       type(block_flows), intent(inout) :: b
       type(splitting), pointer :: scheme
       if (allocated(self%plan%taylor)) then
-         call run_taylor(self, b)
+         call run_taylor(self%plan, taylor_time(self%t, self%h, self%first, self%steps), b)
          return
       end if
       call attach_plan(self%plan, b)
@@ -240,21 +220,5 @@ contains
       call run_steps(scheme, b, self%t, self%h, self%first, self%steps)
       call apply_postprocessor(scheme, b, self%t, self%h, self%first + self%steps)
    end subroutine run_step
-
-   !> Steps of a block by Taylor series.
-   subroutine run_taylor(self, b)
-      class(step_job), intent(in) :: self
-      type(block_flows), intent(inout) :: b
-      real(dp) :: y(3, lanes), q(4, lanes), carry(7, lanes)
-      y(:, :b%n) = transpose(b%y(:b%n, :))
-      q(:, :b%n) = transpose(b%q(:b%n, :))
-      if (b%compensated) carry(:, :b%n) = transpose(b%carry(:b%n, :))
-      call integrate(self%plan%taylor(b%number), self%plan%orders, &
-                     taylor_time(self%t, self%h, self%first, self%steps), b%compensated, b%n, &
-                     y, q, carry, b%status)
-      b%y(:b%n, :) = transpose(y(:, :b%n))
-      b%q(:b%n, :) = transpose(q(:, :b%n))
-      if (b%compensated) b%carry(:b%n, :) = transpose(carry(:, :b%n))
-   end subroutine run_taylor
 
 end module poinsot_ensemble_step

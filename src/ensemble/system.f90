@@ -6,6 +6,7 @@ module poinsot_ensemble_system
    use poinsot_ensemble_block, only: reject_values
    use poinsot_ensemble_layout, only: turn_to_body, from_native, body_momentum
    use poinsot_ensemble_plan, only: poinsot_plan
+   use poinsot_free_lane_moments, only: lane_moments
    use poinsot_splitting_block_flows, only: block_flows
    use poinsot_splitting_stepper, only: flows
    implicit none(type, external)
@@ -37,6 +38,7 @@ module poinsot_ensemble_system
    type, extends(flows) :: ensemble_flows
       type(poinsot_plan), pointer :: plan => null()
       type(block_flows), allocatable :: at(:)
+      type(lane_moments), allocatable :: own(:)  !! moments of the bodies' own, of each block
       class(torque_callback), pointer :: callback => null()
       real(dp), allocatable :: sources(:, :, :)  !! (3, n, effects): what pair effects lay out
       real(dp), allocatable :: changes(:, :)     !! (3, n): its derivative, of one effect

@@ -34,8 +34,9 @@ contains
    !> Constants of a block of bodies. POINSOT_E_DOMAIN where no body has such moments (the rule of
    !> `accept_moments`: few digits are taken); such a lane has the constants of a sphere.
    pure subroutine make_lane_constants(moments, nvec, c, status)
-      real(dp), intent(in) :: moments(lanes, 3)  !! principal moments, any order, any unit
-      integer, intent(in) :: nvec                !! groups of lanes to work on
+      real(dp), intent(inout) :: moments(lanes, 3)  !! principal moments, any order, any unit; on
+                                                    !! exit as they are taken
+      integer, intent(in) :: nvec                   !! groups of lanes to work on
       type(lane_constants), intent(inout) :: c
       integer, intent(inout) :: status(lanes)
       real(dp) :: accepted(lanes, 3)
@@ -51,6 +52,7 @@ contains
             if (plain(l) == 0) call take_special(moments(l, :), accepted(l, :), status(l))
          end do
       end if
+      moments(:group*nvec, :) = accepted(:group*nvec, :)
       call make_constants(nvec, accepted, c)
    end subroutine make_lane_constants
 
@@ -277,7 +279,7 @@ contains
          call jacobi_lanes(nvec, c, hs, y, q, dy, dq, status)
          call stop_failed(nvec, status, hs)
          call add_plain(hs, dy, dq, ys, qs, nvec)
-         call take(nvec, parts < 0 .and. status == poinsot_ok, ys, qs, y, q)
+         call take(n, parts(:n) < 0 .and. status(:n) == poinsot_ok, ys, qs, y, q)
       end if
       do k = 1, nint(maxval(parts(:n)))
          hs(:n) = merge(h(:n), 0.0_dp, k <= parts(:n))/max(parts(:n), 1.0_dp)
@@ -286,18 +288,18 @@ contains
          call find_rotation(nvec, c, hs, ys, rotation, sizes, beyond)
          if (beyond) exit
          call turn(nvec, rotation, hs, ys, qs)
-         call take(nvec, k <= parts, ys, qs, y, q)
+         call take(n, k <= parts(:n), ys, qs, y, q)
       end do
    end subroutine sorted_step
 
    !> Lanes of one state from another, and of the others not as much as a zero added.
-   pure subroutine take(nvec, which, y_from, q_from, y, q)
-      integer, intent(in) :: nvec
-      logical, intent(in) :: which(lanes)
+   pure subroutine take(n, which, y_from, q_from, y, q)
+      integer, intent(in) :: n
+      logical, intent(in) :: which(n)
       real(dp), intent(in) :: y_from(lanes, 3), q_from(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
       integer :: l
-      do l = 1, group*nvec
+      do l = 1, n
          if (.not. which(l)) cycle
          y(l, :) = y_from(l, :)
          q(l, :) = q_from(l, :)

@@ -2,7 +2,7 @@
 module poinsot_free_limits
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
-   use poinsot_body_class, only: body_class, fastest
+   use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
    public :: reject_speed, reject_speed_each, reject_torque
@@ -33,24 +33,23 @@ contains
    end subroutine reject_speed
 
    !> The same for bodies that all differ.
-   pure subroutine reject_speed_each(moments, y, status, nvec)
-      real(dp), intent(in) :: moments(lanes, 3) !! caller's, same axes as y; finite and not negative
-                                                !! where status is POINSOT_OK
+   pure subroutine reject_speed_each(limit, y, status, nvec)
+      real(dp), intent(in) :: limit(lanes, 3)   !! of each body, same axes as y
       real(dp), intent(inout) :: y(lanes, 3)
       integer, intent(inout) :: status(lanes)
       integer, intent(in) :: nvec               !! groups of lanes to look at
-      real(dp) :: limit
+      integer(i8) :: excess
       integer :: j, l
-      logical :: beyond
-      do l = 1, group*nvec
-         beyond = status(l) /= poinsot_ok
-         do j = 1, 3
-            if (beyond) exit
-            limit = 1e270_dp
-            if (moments(l, j) > 0) limit = fastest*min(moments(l, j), 1e200_dp)
-            beyond = magnitude(y(l, j)) > magnitude(limit)
+      excess = -1
+      do j = 1, 3
+         !GCC$ ivdep
+         do l = 1, group*nvec
+            excess = max(excess, magnitude(y(l, j)) - magnitude(limit(l, j)))
          end do
-         if (.not. beyond) cycle
+      end do
+      if (excess <= 0) return
+      do l = 1, group*nvec
+         if (all(magnitude(y(l, :)) <= magnitude(limit(l, :)))) cycle
          if (status(l) == poinsot_ok) status(l) = poinsot_e_domain
          y(l, :) = 0
       end do
@@ -58,22 +57,26 @@ contains
 
    !> Lanes whose torque a force gradient cannot square, g g/I beyond 1e300, or is no number, get
    !> POINSOT_E_DOMAIN and no torque.
-   pure subroutine reject_torque(class, g, status)
+   pure subroutine reject_torque(class, g, status, scale)
       type(body_class), intent(in) :: class          !! of these bodies
       real(dp), intent(inout) :: g(lanes, 3)         !! body torque
       integer, intent(inout) :: status(lanes)
-      integer(i8) :: limit, excess
+      real(dp), intent(in), optional :: scale(lanes) !! moments over those of the class
+      real(dp) :: strongest
+      integer(i8) :: limit(lanes), excess
       integer :: l
-      limit = magnitude(1e150_dp*sqrt(min(minval(class%moments, class%moments > 0), 1e200_dp)))
+      strongest = 1e150_dp*sqrt(min(minval(class%moments, class%moments > 0), 1e200_dp))
+      limit = magnitude(strongest)
+      if (present(scale)) limit = magnitude(strongest*sqrt(min(scale, 1e100_dp)))
       excess = -1
       !GCC$ ivdep
       do l = 1, lanes
-         excess = max(excess, magnitude(g(l, 1)) - limit, magnitude(g(l, 2)) - limit, &
-                      magnitude(g(l, 3)) - limit)
+         excess = max(excess, magnitude(g(l, 1)) - limit(l), magnitude(g(l, 2)) - limit(l), &
+                      magnitude(g(l, 3)) - limit(l))
       end do
       if (excess <= 0) return
       do l = 1, lanes
-         if (all(magnitude(g(l, :)) <= limit)) cycle
+         if (all(magnitude(g(l, :)) <= limit(l))) cycle
          if (status(l) == poinsot_ok) status(l) = poinsot_e_domain
          g(l, :) = 0
       end do

@@ -4,12 +4,13 @@
 !> whatever moves a body moves them here. What acts on it was composed when the plan was closed
 !> (poinsot_splitting_class_flows) and is looked at through pointers, for the length of a call.
 module poinsot_splitting_block_flows
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8, groups, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step
    use poinsot_core_lanes, only: any_failed
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, add_kick, add_kick_compensated
-   use poinsot_free_limits, only: reject_speed, reject_torque
+   use poinsot_free_lane_moments, only: lane_moments, advance_own
+   use poinsot_free_limits, only: reject_speed, reject_speed_each, reject_torque
    use poinsot_free_method, only: free_method, advance
    use poinsot_effect_effect, only: effect_item, torque_effect, flow_effect
    use poinsot_effect_gyrostat, only: turn_increment, turn_is_too_long, add_kinetic
@@ -37,6 +38,7 @@ module poinsot_splitting_block_flows
       logical :: drops                        !! momentum about an axis without inertia was dropped
       logical :: dropped(lanes)               !! in these lanes, if so
       type(body_class), pointer :: class => null()
+      type(lane_moments), pointer :: own => null() !! moments that are not those of the class
       ! set by `attach`: what acts on it
       type(free_method), pointer :: method => null()
       type(class_flows), pointer :: acting => null()
@@ -57,6 +59,9 @@ module poinsot_splitting_block_flows
       procedure :: start_gradient
       procedure :: finish_gradient
       procedure :: apply_kick
+      procedure :: reject_fast
+      procedure :: has_massless
+      procedure :: mask_massless_axes
    end type block_flows
 
 contains
@@ -104,7 +109,9 @@ contains
    subroutine rotate(self, h)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
-      if (self%compensated) then
+      if (associated(self%own)) then
+         call rotate_own(self, h)
+      else if (self%compensated) then
          call advance(self%method, self%class, h, self%y, self%q, self%status, self%carry, &
                       nvec=self%nvec)
       else
@@ -112,16 +119,34 @@ contains
       end if
    end subroutine rotate
 
+   !> The same for bodies with moments of their own.
+   subroutine rotate_own(self, h)
+      class(block_flows), intent(inout) :: self
+      real(dp), intent(in) :: h
+      if (self%compensated) then
+         call advance_own(self%own, self%method, self%class, h, self%y, self%q, self%status, &
+                          self%nvec, self%carry)
+      else
+         call advance_own(self%own, self%method, self%class, h, self%y, self%q, self%status, &
+                          self%nvec)
+      end if
+   end subroutine rotate_own
+
    !> The turn of the rotor. One whose angle has no right digit: POINSOT_E_STEP.
    subroutine turn(self, h)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       real(dp) :: dy(lanes, 3), dq(lanes, 4), hl(lanes)
-      if (turn_is_too_long(self%class, h)) then
+      if (associated(self%own)) then
+         where (self%status == poinsot_ok .and. turn_is_too_long(self%class, h, self%own%scale)) &
+            self%status = poinsot_e_step
+         call turn_increment(self%class, h, self%y, self%q, dy, dq, self%own%scale)
+      else if (turn_is_too_long(self%class, h, 1.0_dp)) then
          where (self%status == poinsot_ok) self%status = poinsot_e_step
          return
+      else
+         call turn_increment(self%class, h, self%y, self%q, dy, dq)
       end if
-      call turn_increment(self%class, h, self%y, self%q, dy, dq)
       hl = merge(h, 0.0_dp, self%status == poinsot_ok)
       call mask_failed_lanes(self%status, dy)
       call mask_failed_lanes(self%status, dq)
@@ -168,31 +193,70 @@ contains
       do i = 1, size(self%acting%torques)
          select type (one => self%effects(self%acting%torques(i))%it)
          class is (torque_effect)
-            call one%add_torque(self%class, t, self%q, self%g)
+            if (grows(self, one)) then
+               call add_grown_torque(self, one, t)
+            else
+               call one%add_torque(self%class, t, self%q, self%g)
+            end if
          end select
       end do
    end subroutine start_torque
 
+   !> Is a torque as many times that of the class as the moments are?
+   pure logical function grows(self, one)
+      class(block_flows), intent(in) :: self
+      class(torque_effect), intent(in) :: one
+      grows = associated(self%own)
+      if (grows) grows = one%uses_moments()
+   end function grows
+
+   subroutine add_grown_torque(self, one, t)
+      class(block_flows), intent(inout) :: self
+      class(torque_effect), intent(in) :: one
+      real(dp), intent(in) :: t
+      real(dp) :: g(lanes, 3)
+      integer :: j
+      g = 0
+      call one%add_torque(self%class, t, self%q, g)
+      do j = 1, 3
+         self%g(:, j) = self%g(:, j) + self%own%scale*g(:, j)
+      end do
+   end subroutine add_grown_torque
+
    !> What others may have added to g is done: mask axes without inertia.
    subroutine finish_torque(self)
       class(block_flows), intent(inout) :: self
-      call mask_massless_axes(self%class, self%g)
+      call self%mask_massless_axes(self%g)
    end subroutine finish_torque
 
    !> gradient = Dg[M g] of the block's own effects; delta = M g.
    subroutine start_gradient(self, t)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: t
-      integer :: i
-      call reject_torque(self%class, self%g, self%status)
-      do i = 1, 3
-         self%delta(:, i) = self%class%inverse(i)*self%g(:, i)
-      end do
+      real(dp) :: dg(lanes, 3)
+      integer :: i, j
+      if (associated(self%own)) then
+         call reject_torque(self%class, self%g, self%status, self%own%scale)
+         self%delta = self%own%inverse*self%g
+      else
+         call reject_torque(self%class, self%g, self%status)
+         do i = 1, 3
+            self%delta(:, i) = self%class%inverse(i)*self%g(:, i)
+         end do
+      end if
       self%gradient = 0
       do i = 1, size(self%acting%torques)
          select type (one => self%effects(self%acting%torques(i))%it)
          class is (torque_effect)
-            call one%add_derivative(self%class, t, self%q, self%delta, self%gradient)
+            if (grows(self, one)) then
+               dg = 0
+               call one%add_derivative(self%class, t, self%q, self%delta, dg)
+               do j = 1, 3
+                  self%gradient(:, j) = self%gradient(:, j) + self%own%scale*dg(:, j)
+               end do
+            else
+               call one%add_derivative(self%class, t, self%q, self%delta, self%gradient)
+            end if
          end select
       end do
    end subroutine start_gradient
@@ -209,7 +273,7 @@ contains
             dg(l, 3) = 2*(dg(l, 3) + (delta(l, 1)*g(l, 2) - delta(l, 2)*g(l, 1)))
          end do
       end associate
-      call mask_massless_axes(self%class, self%gradient)
+      call self%mask_massless_axes(self%gradient)
    end subroutine finish_gradient
 
    !> y += b g + c G with what stands in g and gradient.
@@ -225,16 +289,40 @@ contains
       else
          call add_kick(dy, self%y)
       end if
-      call reject_speed(self%class, self%y, self%status)
+      call self%reject_fast()
    end subroutine apply_kick
 
+   !> Bodies that turn faster than any may.
+   pure subroutine reject_fast(self)
+      class(block_flows), intent(inout) :: self
+      if (associated(self%own)) then
+         call reject_speed_each(self%own%limit, self%y, self%status, groups)
+      else
+         call reject_speed(self%class, self%y, self%status)
+      end if
+   end subroutine reject_fast
+
+   !> Has a body no inertia about some axis?
+   pure logical function has_massless(self)
+      class(block_flows), intent(in) :: self
+      if (associated(self%own)) then
+         has_massless = self%own%linear
+      else
+         has_massless = .not. all(self%class%moments > 0)
+      end if
+   end function has_massless
+
    !> An axis without inertia takes no torque.
-   pure subroutine mask_massless_axes(class, g)
-      type(body_class), intent(in) :: class
+   pure subroutine mask_massless_axes(self, g)
+      class(block_flows), intent(in) :: self
       real(dp), intent(inout) :: g(lanes, 3)
       integer :: j
+      if (associated(self%own)) then
+         if (self%own%linear) where (.not. self%own%moments > 0) g = 0
+         return
+      end if
       do j = 1, 3
-         if (.not. class%moments(j) > 0) g(:, j) = 0
+         if (.not. self%class%moments(j) > 0) g(:, j) = 0
       end do
    end subroutine mask_massless_axes
 
@@ -252,11 +340,16 @@ contains
          k = self%acting%dissipative(merge(i, n + 1 - i, half == 0))
          select type (one => self%effects(k)%it)
          class is (flow_effect)
-            call one%apply(self%class, h, self%seed, self%id, step, half, self%q, self%y)
+            if (associated(self%own)) then
+               call one%apply(self%class, h, self%seed, self%id, step, half, self%q, self%y, &
+                              self%own%scale)
+            else
+               call one%apply(self%class, h, self%seed, self%id, step, half, self%q, self%y)
+            end if
          end select
       end do
       if (self%class%has_rotor) call add_rotor(self%class%rotor, self%y)
-      call reject_speed(self%class, self%y, self%status)
+      call self%reject_fast()
    end subroutine dissipative_half_step
 
    pure subroutine add_rotor(rotor, y)
@@ -273,20 +366,29 @@ contains
       class(block_flows), intent(in) :: self
       real(dp), intent(in) :: t
       real(dp), intent(out) :: kinetic(lanes), potential(lanes)
+      real(dp) :: inverse(lanes, 3), u(lanes)
       integer :: i, j
       kinetic = 0
       potential = 0
+      inverse = spread(self%class%inverse, 1, lanes)
+      if (associated(self%own)) inverse = self%own%inverse
       if (self%class%has_rotor) then
-         call add_kinetic(self%class, self%y, kinetic)
+         call add_kinetic(self%class%rotor, inverse, self%y, kinetic)
       else
          do j = 1, 3
-            kinetic = kinetic + 0.5_dp*(self%y(:, j)*self%class%inverse(j))*self%y(:, j)
+            kinetic = kinetic + 0.5_dp*(self%y(:, j)*inverse(:, j))*self%y(:, j)
          end do
       end if
       do i = 1, size(self%acting%torques)
          select type (one => self%effects(self%acting%torques(i))%it)
          class is (torque_effect)
-            call one%add_energy(self%class, t, self%q, potential)
+            if (grows(self, one)) then
+               u = 0
+               call one%add_energy(self%class, t, self%q, u)
+               potential = potential + self%own%scale*u
+            else
+               call one%add_energy(self%class, t, self%q, potential)
+            end if
          end select
       end do
    end subroutine energies

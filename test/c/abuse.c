@@ -146,7 +146,6 @@ static void plan(void) {
   CHECK(poinsot_plan_message(NULL, text, sizeof text) == 0 && text[0] == 0);
 
   CHECK(poinsot_plan_create(&it) == POINSOT_OK && it);
-  CHECK(poinsot_plan_ready(it) == POINSOT_E_SIZE); /* no class yet */
   CHECK(poinsot_plan_add_class(it, NULL, NULL) == POINSOT_E_NULL);
   CHECK(poinsot_plan_add_class_tensor(it, NULL, NULL) == POINSOT_E_NULL);
   CHECK(poinsot_plan_add_class(it, bad, &number) == POINSOT_E_DOMAIN && number == 7);
@@ -329,7 +328,11 @@ static void bodies(void) {
   WITH(v.class_stride = -1, POINSOT_E_SIZE);
   WITH((v.y_at = rows, v.rows = 3), POINSOT_E_SIZE);   /* row 4 of three */
   WITH((v.q_at = below, v.rows = 0), POINSOT_E_SIZE);  /* a negative one */
-  WITH(v.scale = kinetic, POINSOT_E_METHOD);
+  WITH((v.scale = v.moments[0] = v.moments[1] = v.moments[2] = kinetic), POINSOT_E_METHOD);
+  for (i = 0; i < n; i++) kinetic[i] = -1;
+  WITH(v.scale = kinetic, POINSOT_E_PARTIAL);
+  WITH((v.moments[0] = v.moments[1] = v.moments[2] = kinetic), POINSOT_E_PARTIAL);
+  for (i = 0; i < n; i++) CHECK(each[i] == POINSOT_E_DOMAIN);
   WITH((v.moments[0] = v.moments[1] = kinetic), POINSOT_E_NULL);
   memset(&newer, 0, sizeof newer);
   newer.known = view;
@@ -377,7 +380,7 @@ static void growth(void) {
   } room;
   poinsot_bodies view;
   double y[5][3] = {{0}}, q[5][4] = {{0}}, y2[n][3], q2[n][4];
-  const int y_at[n] = {3, 1}, q_at[n] = {0, 4}, classes[4] = {0, 9, 1, 9};
+  const int y_at[n] = {3, 1}, q_at[n] = {0, 4}, classes[4] = {0, 9, 1, 9}, skipped_of_two[n] = {0, -1};
   poinsot_plan *plan = NULL;
   poinsot_status each[n];
   size_t i;
@@ -413,6 +416,36 @@ static void growth(void) {
   CHECK(poinsot_drift(plan, &view, 0.1) == POINSOT_OK && each[0] == POINSOT_OK && each[1] == POINSOT_OK);
   for (i = 0; i < n; i++)
     CHECK(memcmp(y2[i], y[y_at[i]], sizeof y2[i]) == 0 && memcmp(q2[i], q[q_at[i]], sizeof q2[i]) == 0);
+
+  {                                                /* a body of twice the size; one of any moments, rows of three */
+    const double twice[n] = {2, 1}, own[n][4] = {{2 * moments[0], 2 * moments[1], 2 * moments[2]}, {moments[0], moments[1], moments[2]}};
+    double y3[n][3], q3[n][4], kinetic[n], potential[n];
+    poinsot_plan *bare = NULL, *heavy = NULL;
+    CHECK(poinsot_plan_create(&bare) == POINSOT_OK && poinsot_plan_ready(bare) == POINSOT_OK);
+    CHECK(poinsot_plan_create(&heavy) == POINSOT_OK && poinsot_plan_add_class(heavy, own[0], NULL) == POINSOT_OK &&
+          poinsot_plan_add_class(heavy, own[1], NULL) == POINSOT_OK && poinsot_plan_ready(heavy) == POINSOT_OK);
+    memcpy(y3, y2, sizeof y3);
+    memcpy(q3, q2, sizeof q3);
+    CHECK(poinsot_bodies_rows(&view, "native", NULL, n, y3[0], q3[0]) == POINSOT_OK);
+    view.status = each;
+    for (j = 0; j < 3; j++) view.moments[j] = own[0] + j;
+    view.moments_stride = 4;
+    CHECK(poinsot_drift(bare, &view, 0.1) == POINSOT_OK && poinsot_energy(bare, &view, 0, kinetic, potential) == POINSOT_OK);
+    CHECK(poinsot_bodies_rows(&view, "native", NULL, n, y2[0], q2[0]) == POINSOT_OK);
+    view.status = each;
+    CHECK(poinsot_drift(bare, &view, 0.1) == POINSOT_E_PARTIAL && each[0] == POINSOT_E_DOMAIN); /* of no class */
+    view.scale = twice;
+    CHECK(poinsot_drift(plan, &view, 0.1) == POINSOT_OK);
+    for (i = 0; i < n; i++) {
+      for (j = 0; j < 3; j++) CHECK(fabs(y3[i][j] - y2[i][j]) < 1e-14);
+      for (j = 0; j < 4; j++) CHECK(fabs(q3[i][j] - q2[i][j]) < 1e-14);
+    }
+    view.scale = NULL;
+    view.body_class = skipped_of_two;
+    CHECK(poinsot_energy(heavy, &view, 0, potential, NULL) == POINSOT_OK && fabs(potential[0] - kinetic[0]) < 1e-14);
+    poinsot_plan_destroy(&bare);
+    poinsot_plan_destroy(&heavy);
+  }
   poinsot_plan_destroy(&plan);
 }
 
