@@ -63,10 +63,10 @@ contains
          print "(a)", error%message
          error stop 2
       end if
-      allocate (flows(size(plan%classes)))
+      allocate (flows(plan%class_count()))
       do i = 1, size(flows)
          flows(i)%number = i
-         flows(i)%class => plan%classes(i)
+         flows(i)%class => plan%classes(i)%it
          call attach_plan(plan, flows(i))
       end do
       forced = size(plan%effects) > 0

@@ -292,6 +292,12 @@ void poinsot_plan_destroy(poinsot_plan **plan);
 poinsot_status poinsot_plan_add_class(poinsot_plan *plan, const double moments[3], int *number);
 poinsot_status poinsot_plan_add_class_tensor(poinsot_plan *plan, const double inertia[9], int *number);
 
+/* The class whose moments are nearest to these, axis by axis, none further than `tolerance` times the largest (of several the one
+ * of the lowest number; classes made from tensors are left out); or a new one. For codes that compute moments from coordinates,
+ * where 216 molecules of water have 216 different moments: 1e-6 finds one class. Numbers depend on the order of calls: ranks share
+ * the list, or use `moments` of poinsot_bodies. POINSOT_E_DOMAIN for a tolerance that is negative or not finite, a plan that is ready. */
+poinsot_status poinsot_plan_find_class(poinsot_plan *plan, const double moments[3], double tolerance, int *number);
+
 /* The principal axes of class `number` (from 0) as the columns of the rotation `axes`, row-major: x_given = axes x_principal. The
  * identity for a class made from moments. POINSOT_E_DOMAIN if there is no such class. */
 poinsot_status poinsot_plan_class_axes(const poinsot_plan *plan, int number, double axes[9]);
@@ -387,6 +393,7 @@ void poinsot_plan_create_f_(int64_t *plan, int *status);
 void poinsot_plan_destroy_f_(int64_t *plan);
 void poinsot_plan_add_class_f_(const int64_t *plan, const double moments[3], int *number, int *status);
 void poinsot_plan_add_tensor_f_(const int64_t *plan, const double inertia[9], int *number, int *status);
+void poinsot_plan_find_class_f_(const int64_t *plan, const double moments[3], const double *tolerance, int *number, int *status);
 /* option 1 method, 2 splitting: value their number; 3 layout: 1 native, 2 lammps, 3 dl_poly, 4 hoomd; 4 momentum: 1 to 5 in the
  * order above; 5 frame: 1 body, 2 space; 6 threads; 7 seed; 8 physical: 1 yes, 2 no. */
 void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *value, int *status);

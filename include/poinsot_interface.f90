@@ -33,6 +33,7 @@ module poinsot_interface
    public :: poinsot_bodies_rows, poinsot_bodies_arrays, poinsot_bodies_rows_sized, &
       poinsot_bodies_arrays_sized
    public :: poinsot_plan_create, poinsot_plan_destroy, poinsot_plan_add_class, &
+      poinsot_plan_find_class, &
       poinsot_plan_add_class_tensor, poinsot_plan_class_axes
    public :: poinsot_plan_set, poinsot_plan_add_effect, poinsot_plan_ready, poinsot_plan_message, &
       poinsot_bodies_check
@@ -451,6 +452,14 @@ module poinsot_interface
          real(c_double), intent(in) :: moments(3)
          integer(c_int), intent(inout) :: number
       end function poinsot_plan_add_class
+
+      integer(c_int) function poinsot_plan_find_class(plan, moments, tolerance, number) bind(c)
+         import
+         type(c_ptr), value :: plan
+         real(c_double), intent(in) :: moments(3)
+         real(c_double), value :: tolerance
+         integer(c_int), intent(inout) :: number
+      end function poinsot_plan_find_class
 
       integer(c_int) function poinsot_plan_add_class_tensor(plan, inertia, number) bind(c)
          import

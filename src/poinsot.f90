@@ -39,8 +39,8 @@ module poinsot
    use poinsot_ensemble_observe, only: body_energies, body_momenta, &
       poinsot_degrees_of_freedom => total_degrees_of_freedom
    use poinsot_ensemble_compose, only: make_ready
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, class_axes, &
-      set_option, &
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, find_class, &
+      class_axes, set_option, &
       add_effect, add_ready_effect
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
@@ -62,7 +62,7 @@ module poinsot
    public :: poinsot_splitting_flows, poinsot_effect_count, poinsot_effect_name
    public :: poinsot_body, poinsot_body_create, poinsot_body_create_tensor, poinsot_rotate, &
       poinsot_jacobi
-   public :: poinsot_plan, poinsot_plan_create, poinsot_plan_add_class, &
+   public :: poinsot_plan, poinsot_plan_create, poinsot_plan_add_class, poinsot_plan_find_class, &
       poinsot_plan_add_class_tensor, poinsot_plan_class_axes, poinsot_plan_set
    public :: poinsot_plan_add_effect, poinsot_plan_ready
    public :: poinsot_bodies, poinsot_bodies_rows, poinsot_bodies_arrays
@@ -227,6 +227,17 @@ contains
       type(poinsot_error), intent(inout) :: error
       if (admitted(error)) call add_class(plan, moments, number, error)
    end subroutine poinsot_plan_add_class
+
+   !> The class whose moments are nearest to these, none further than `tolerance` times the largest,
+   !> of several the lowest; or a new one.
+   subroutine poinsot_plan_find_class(plan, moments, tolerance, number, error)
+      type(poinsot_plan), intent(inout) :: plan
+      real(dp), intent(in) :: moments(3)
+      real(dp), intent(in) :: tolerance
+      integer, intent(inout) :: number
+      type(poinsot_error), intent(inout) :: error
+      if (admitted(error)) call find_class(plan, moments, tolerance, number, error)
+   end subroutine poinsot_plan_find_class
 
    !> Add a body class by its tensor in the caller's body frame, to which y, q, torques and the body
    !> vectors of effects refer; poinsot_user_torque and poinsot_user_potential see it too. Other

@@ -14,6 +14,7 @@ program check_poinsot
    use test_effect, only: collect_effect
    use test_elliptic, only: collect_elliptic
    use test_ensemble, only: collect_ensemble
+   use test_ensemble_classes, only: collect_classes_deep
    use test_frame, only: collect_frame
    use test_free, only: collect_free
    use test_hard, only: collect_hard, collect_hard_deep
@@ -118,6 +119,7 @@ contains
       type(testsuite_type), allocatable :: list(:)
       list = [ &
          new_testsuite("long-drift", collect_drift_deep), &
+         new_testsuite("classes-deep", collect_classes_deep), &
          new_testsuite("long-deep", collect_long_deep), &
          new_testsuite("choose-promise", collect_choose_deep), &
          new_testsuite("hard-deep", collect_hard_deep), &

@@ -198,7 +198,7 @@ contains
       call set_option(plan, "physical", "no", refusal)
       call add_class(plan, water, number, refusal)
       call accepted(error, refusal)
-      call within(error, maxval(abs(plan%classes(number)%moments - water)), 0._dp, "as given")
+      call within(error, maxval(abs(plan%classes(number)%it%moments - water)), 0._dp, "as given")
       call add_tensor_class(plan, tensor_of_axes(water, to_matrix(random_quaternion(seed, 9_i8))), &
                             number, refusal)
       call accepted(error, refusal)

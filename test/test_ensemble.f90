@@ -27,6 +27,7 @@ module test_ensemble
       same_bits, turned_tensor
    use test_ensemble_bits, only: collect_bits
    use test_ensemble_every, only: collect_every
+   use test_ensemble_classes, only: collect_classes
    use test_ensemble_own, only: collect_own
    use test_expectation, only: expect
    implicit none(type, external)
@@ -49,7 +50,7 @@ contains
 
    subroutine collect_ensemble(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: bits(:), every(:), own(:)
+      type(unittest_type), allocatable :: bits(:), every(:), own(:), classes(:)
       testsuite = [ &
          new_unittest("momentum-variables-mean-what-they-say", test_variables), &
          new_unittest("momentum-variables-move-alike", test_alike), &
@@ -68,7 +69,8 @@ contains
       call collect_bits(bits)
       call collect_every(every)
       call collect_own(own)
-      testsuite = [testsuite, bits, every, own]
+      call collect_classes(classes)
+      testsuite = [testsuite, bits, every, own, classes]
    end subroutine collect_ensemble
 
    !> A body's state in one of the five variables, by the algebra of room rotation; axes: the
@@ -100,8 +102,8 @@ contains
       integer :: i
       allocate (p(4, it%n), q(4, it%n))
       do i = 1, it%n
-         call express(variable, plan%classes(it%class(i))%moments, it%y(:, i), it%q(:, i), &
-                      plan%classes(it%class(i))%axes, p(:, i), q(:, i))
+         call express(variable, plan%classes(it%class(i))%it%moments, it%y(:, i), it%q(:, i), &
+                      plan%classes(it%class(i))%it%axes, p(:, i), q(:, i))
       end do
    end subroutine express_all
 
@@ -142,7 +144,7 @@ contains
          call expect(error, status, poinsot_ok, "momenta: "//momentum_names(variable))
          call body_energies(plan, view, 0.0_dp, kinetic, potential, status, problem)
          do i = 1, it%n
-            associate (inverse => plan%classes(it%class(i))%inverse)
+            associate (inverse => plan%classes(it%class(i))%it%inverse)
                expected = 0.5_dp*sum(it%y(:, i)**2*inverse)
                call expect(error, maxval(abs(l(:, i) - &
                           rotate(it%q(:, i), it%y(:, i)))) < tight .and. abs(kinetic(i) - &

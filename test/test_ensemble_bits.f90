@@ -270,7 +270,7 @@ contains
       end do
       rotated = start
       call open(rotated, view)
-      call rotate_bodies(plan%classes(1), plan%method, h, 7, view, 0, status, problem)
+      call rotate_bodies(plan%classes(1)%it, plan%method, h, 7, view, 0, status, problem)
       call compare(error, stepped, drifted, "step and drift")
       if (allocated(error)) return
       call compare(error, stepped, rotated, "step and rotate")

@@ -130,7 +130,7 @@ contains
          call renew(principal)
          call add_tensor_class(given, some_tensor(), number, problem)
          call class_axes(given, number, axes, problem)
-         call add_class(principal, given%classes(1)%moments, number, problem)
+         call add_class(principal, given%classes(1)%it%moments, number, problem)
          call some_settings(info, settings)
          call add_effect(given, trim(info%name), settings, problem)
          call turn_by_hand(info, axes, settings)
@@ -292,7 +292,7 @@ contains
       call add_tensor_class(plan, tensor, number, problem)
       call class_axes(plan, 1, axes, problem)
       call expect(error, .not. raised(problem) .and. &
-         all(plan%classes(1)%moments == moments(3:1:-1)) &
+         all(plan%classes(1)%it%moments == moments(3:1:-1)) &
                  .and. all(axes == unit_matrix()), "diagonal")
       call class_axes(plan, 2, axes, problem)
       call expect(error, problem%code, poinsot_e_domain, "axes of no class")

@@ -181,6 +181,8 @@ STATUS_AFTER(NO_TEXT, bodies_check, (const poinsot_plan *plan, const poinsot_bod
 STATUS_AFTER(if (plan) *plan = NULL, plan_create, (poinsot_plan **plan), (plan))
 DESTROY(plan, poinsot_plan)
 STATUS(plan_add_class, (poinsot_plan *plan, const double moments[3], int *number), (plan, moments, number))
+STATUS(plan_find_class, (poinsot_plan *plan, const double moments[3], double tolerance, int *number),
+       (plan, moments, tolerance, number))
 STATUS(plan_add_class_tensor, (poinsot_plan *plan, const double inertia[9], int *number), (plan, inertia, number))
 STATUS(plan_class_axes, (const poinsot_plan *plan, int number, double axes[9]), (plan, number, axes))
 STATUS(plan_set, (poinsot_plan *plan, const char *option, const char *value), (plan, option, value))

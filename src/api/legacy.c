@@ -68,6 +68,12 @@ void poinsot_plan_add_class_f_(const int64_t *plan, const double moments[3], int
   *number = from_zero + 1;
 }
 
+void poinsot_plan_find_class_f_(const int64_t *plan, const double moments[3], const double *tolerance, int *number, int *status) {
+  int from_zero = -1;
+  *status = poinsot_plan_find_class(plan_of(plan), moments, *tolerance, &from_zero);
+  *number = from_zero + 1;
+}
+
 void poinsot_plan_add_tensor_f_(const int64_t *plan, const double inertia[9], int *number, int *status) {
   int from_zero = -1;
   *status = poinsot_plan_add_class_tensor(plan_of(plan), inertia, &from_zero);

@@ -11,7 +11,8 @@ module poinsot_api_plan
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_compose, only: make_ready
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, class_axes, &
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, find_class, &
+      class_axes, &
       set_option, &
       add_effect
    use poinsot_ensemble_check, only: check_ready
@@ -117,6 +118,34 @@ contains
       call c_f_pointer(number, place)
       place = made - 1
    end function add_any
+
+   !> The class with moments near to those given, or a new one.
+   integer(c_int) function plan_find_class(plan, moments, tolerance, number) &
+         bind(c, name="poinsot_do_plan_find_class") result(status)
+      type(c_ptr), value :: plan          !! poinsot_plan *
+      type(c_ptr), value :: moments       !! const double[3]
+      real(c_double), value :: tolerance  !! relative to the largest moment
+      type(c_ptr), value :: number        !! int *, may be NULL
+      type(plan_handle), pointer :: p
+      type(poinsot_error) :: error
+      real(c_double), pointer :: x(:)
+      integer(c_int), pointer :: place
+      integer :: found
+      status = poinsot_e_null
+      call open_plan(plan, p)
+      if (.not. associated(p)) return
+      found = 0
+      if (.not. c_associated(moments)) then
+         call raise(error, poinsot_e_null, "plan: moments of a body class are NULL")
+      else
+         call c_f_pointer(moments, x, [3])
+         call find_class(p%plan, x, tolerance, found, error)
+      end if
+      status = answer(p, error)
+      if (raised(error) .or. .not. c_associated(number)) return
+      call c_f_pointer(number, place)
+      place = found - 1
+   end function plan_find_class
 
    !> Principal axes of a class, as columns, row-major.
    integer(c_int) function plan_class_axes(plan, number, axes) &

@@ -33,7 +33,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       integer :: unused
       if (refused(plan, error)) return
-      if (.not. allocated(plan%classes)) then ! bodies have moments of their own, if there are any
+      if (plan%added == 0) then ! bodies have moments of their own, if there are any
          call add_class(plan, [1.0_dp, 1.0_dp, 1.0_dp], unused, error)
          if (raised(error)) return
          plan%classless = .true.
@@ -45,7 +45,8 @@ contains
       if (.not. raised(error)) call compose_all(plan, error)
       plan%ready = .not. raised(error)
       if (plan%ready .or. .not. plan%classless) return
-      deallocate (plan%classes)
+      deallocate (plan%classes(1)%it)
+      plan%added = 0
       plan%classless = .false.
    end subroutine make_ready
 
@@ -83,7 +84,7 @@ contains
       integer :: c, n, classes, effects, next, state
       logical, allocatable :: framed(:)
       effects = size(plan%effects)
-      classes = size(plan%classes)
+      classes = plan%added
       call turn_pair_effects(plan, error)
       if (raised(error)) return
       framed = [(is_framed(plan%effects(c)), c=1, effects)]
@@ -101,6 +102,9 @@ contains
       do c = 1, n
          call compose_one(plan, c, framed, next, error)
          if (raised(error)) exit
+      end do
+      do c = 1, classes
+         if (.not. raised(error)) call extend_class(plan%classes(c)%it, plan%method%terms)
       end do
       if (.not. raised(error)) call compose_taylor(plan, error)
       if (.not. raised(error)) return
@@ -122,19 +126,19 @@ contains
          return
       end if
       plan%orders = choose_orders(plan%tolerance)
-      allocate (problems(size(plan%classes)), stat=state)
+      allocate (problems(plan%added), stat=state)
       if (state /= 0) then
          call raise(error, poinsot_e_memory, "no memory for the torques of the body classes")
          return
       end if
-      do c = 1, size(plan%classes)
+      do c = 1, plan%added
          associate (flows => plan%composed(plan%composition(c)))
             terms = torque_terms()
-            call collect_terms(plan%classes(c), [flows%torques, flows%dissipative], &
+            call collect_terms(plan%classes(c)%it, [flows%torques, flows%dissipative], &
                                plan%effects, terms, error)
          end associate
          if (raised(error)) return
-         call make_problem(plan%classes(c), terms, problems(c))
+         call make_problem(plan%classes(c)%it, terms, problems(c))
       end do
       call move_alloc(problems, plan%taylor)
    end subroutine compose_taylor
@@ -156,8 +160,8 @@ contains
       integer :: c, i, copies
       copies = 0
       if (.not. any(framed)) return
-      do c = 1, size(plan%classes)
-         if (.not. plan%classes(c)%turned) cycle
+      do c = 1, plan%added
+         if (.not. plan%classes(c)%it%turned) cycle
          do i = 1, size(framed)
             if (framed(i) .and. plan%effects(i)%it%acts_on(c)) copies = copies + 1
          end do
@@ -178,15 +182,14 @@ contains
          if (.not. plan%effects(i)%it%acts_on(c)) cycle
          n = n + 1
          acting(n) = i
-         if (.not. (plan%classes(c)%turned .and. framed(i))) cycle
+         if (.not. (plan%classes(c)%it%turned .and. framed(i))) cycle
          next = next + 1
          acting(n) = next
-         call turn_effect(plan%effects(i), to_matrix(plan%classes(c)%axes), plan%effects(next), &
+         call turn_effect(plan%effects(i), to_matrix(plan%classes(c)%it%axes), plan%effects(next), &
             error)
          if (raised(error)) return
       end do
-      call extend_class(plan%classes(c), plan%method%terms)
-      call compose_class(plan%classes(c), acting(:n), plan%splitting, plan%effects, &
+      call compose_class(plan%classes(c)%it, acting(:n), plan%splitting, plan%effects, &
                          plan%composed(c), error)
    end subroutine compose_one
 
@@ -212,10 +215,11 @@ contains
       real(dp), allocatable :: axes(:, :, :)
       class(effect), allocatable :: made
       integer :: i, c
-      if (.not. (plan%coupled .and. any(plan%classes%turned))) return
-      allocate (axes(3, 3, size(plan%classes)))
-      do c = 1, size(plan%classes)
-         axes(:, :, c) = to_matrix(plan%classes(c)%axes)
+      if (.not. plan%coupled) return
+      if (.not. any([(plan%classes(c)%it%turned, c=1, plan%added)])) return
+      allocate (axes(3, 3, plan%added))
+      do c = 1, plan%added
+         axes(:, :, c) = to_matrix(plan%classes(c)%it%axes)
       end do
       do i = 1, size(plan%effects)
          if (.not. allocated(plan%effects(i)%settings)) cycle

@@ -120,7 +120,7 @@ contains
          call next_block(h, n, c, at)
          if (n == 0) exit
          class => job%class
-         if (associated(job%plan)) class => job%plan%classes(c)
+         if (associated(job%plan)) class => job%plan%classes(c)%it
          call load_block(host, at(:n), n, c, class, own, b)
          call job%run(b)
          if (job%read_only) then

@@ -134,7 +134,7 @@ contains
             call next_block(h, n, class, at)
             if (n == 0) exit
             k = k + 1
-            call load_block(host, at(:n), n, class, plan%classes(class), &
+            call load_block(host, at(:n), n, class, plan%classes(class)%it, &
                             system%own(min(k, size(system%own))), system%at(k))
             system%at(k)%at(n + 1:) = 0
             call attach_plan(plan, system%at(k))

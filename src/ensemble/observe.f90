@@ -108,7 +108,7 @@ contains
          if (associated(view%moments(1)%of)) then
             total = total + own_degrees(view, i)
          else if (plan%class_count() > 0) then
-            total = total + degrees_of_freedom(plan%classes(c - first + 1)%moments)
+            total = total + degrees_of_freedom(plan%classes(c - first + 1)%it%moments)
          end if
       end do
    end function total_degrees_of_freedom

@@ -1,18 +1,21 @@
 !> The plan: everything about a calculation that does not change from call to call. Immutable once
 !> ready, so that threads may share it; all that belongs to a body is the caller's.
 module poinsot_ensemble_plan
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
       poinsot_e_size
    use poinsot_body_class, only: body_class, make_class
+   use poinsot_body_moments, only: accept_moments
    use poinsot_body_inertia, only: principal_axes, is_diagonal
    use poinsot_core_number, only: parse_integer, parse_real, number_ok
    use poinsot_rotation_conversions, only: from_matrix, to_matrix
    use poinsot_effect_effect, only: effect, effect_item
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: setting
+   use poinsot_ensemble_class_index, only: class_index, insert_class, nearest_class
    use poinsot_ensemble_layout, only: momentum_names, body_momentum, layout_names, &
       layout_momentum
    use poinsot_free_method, only: free_method, find_method
@@ -24,14 +27,23 @@ module poinsot_ensemble_plan
       most_tolerance
    implicit none(type, external)
    private
-   public :: poinsot_plan, add_class, add_tensor_class, class_axes, set_option, add_effect, &
-      add_ready_effect, grow, refused
+   public :: poinsot_plan, add_class, add_tensor_class, find_class, class_axes, set_option, &
+      add_effect, add_ready_effect, grow, refused
+
+   !> A place for a class: arrays of them grow without moving classes about.
+   type :: class_item
+      type(body_class), allocatable :: it
+      logical :: from_tensor = .false.
+   end type class_item
 
    !> What a calculation needs to know beforehand. It holds all that it uses, so that it may be
    !> copied.
    type :: poinsot_plan
       logical :: ready = .false.
-      type(body_class), allocatable :: classes(:)
+      type(class_item), allocatable :: classes(:) !! as many as were added, then room for more
+      integer :: added = 0                        !! how many
+      type(class_index) :: index                  !! of them by moments, if it was asked for
+      integer :: indexed = 0                      !! how many it knows
       type(free_method) :: method                 !! set on creation to `exact`
       type(splitting) :: splitting                !! set to `srkn6`
       logical :: physical = .true.                !! classes must have moments that a mass can have
@@ -73,7 +85,7 @@ contains
    pure integer function class_count(plan)
       class(poinsot_plan), intent(in) :: plan
       class_count = 0
-      if (allocated(plan%classes) .and. .not. plan%classless) class_count = size(plan%classes)
+      if (.not. plan%classless) class_count = plan%added
    end function class_count
 
    !> Add a body class by principal moments; bodies name it by its number.
@@ -86,8 +98,10 @@ contains
                                                     !! that the class was given in
       call append_class(plan, moments, number, error)
       if (raised(error) .or. .not. present(axes)) return
-      plan%classes(number)%axes = from_matrix(axes)
-      plan%classes(number)%turned = any(abs(plan%classes(number)%axes(2:4)) > 0)
+      associate (class => plan%classes(number)%it)
+         class%axes = from_matrix(axes)
+         class%turned = any(abs(class%axes(2:4)) > 0)
+      end associate
    end subroutine add_class
 
    !> Add a body class by its inertia tensor in the caller's body frame, which y, q, torques and the
@@ -102,10 +116,11 @@ contains
       if (refused(plan, error)) return
       if (is_diagonal(tensor)) then
          call add_class(plan, [tensor(1, 1), tensor(2, 2), tensor(3, 3)], number, error)
-         return
+      else
+         call principal_axes(tensor, moments, axes, error, plan%physical)
+         if (.not. raised(error)) call add_class(plan, moments, number, error, axes)
       end if
-      call principal_axes(tensor, moments, axes, error, plan%physical)
-      if (.not. raised(error)) call add_class(plan, moments, number, error, axes)
+      if (.not. raised(error)) plan%classes(number)%from_tensor = .true.
    end subroutine add_tensor_class
 
    !> The principal axes of a class as the columns of a rotation: x_given = matmul(axes,
@@ -118,7 +133,7 @@ contains
       if (number < 1 .or. number > plan%class_count()) then
          call raise(error, poinsot_e_domain, "plan: there is no body class of that number")
       else
-         axes = to_matrix(plan%classes(number)%axes)
+         axes = to_matrix(plan%classes(number)%it%axes)
       end if
    end subroutine class_axes
 
@@ -127,24 +142,95 @@ contains
       real(dp), intent(in) :: moments(3)
       integer, intent(out) :: number
       type(poinsot_error), intent(inout) :: error
-      type(body_class), allocatable :: classes(:)
-      integer :: n, state
+      integer :: state
 
       number = 0
       if (refused(plan, error)) return
-      n = 0
-      if (allocated(plan%classes)) n = size(plan%classes)
-      allocate (classes(n + 1), stat=state)
+      call make_room(plan, state)
+      if (state == 0) allocate (plan%classes(plan%added + 1)%it, stat=state)
       if (state /= 0) then
          call raise(error, poinsot_e_memory, "no memory for another body class")
          return
       end if
-      call make_class(moments, classes(n + 1), error, plan%physical)
-      if (raised(error)) return
-      if (n > 0) classes(1:n) = plan%classes
-      call move_alloc(classes, plan%classes)
-      number = n + 1
+      call make_class(moments, plan%classes(plan%added + 1)%it, error, plan%physical)
+      if (raised(error)) then
+         deallocate (plan%classes(plan%added + 1)%it)
+         return
+      end if
+      plan%added = plan%added + 1
+      number = plan%added
    end subroutine append_class
+
+   !> Room for one more class: twice as many places when there is none left.
+   subroutine make_room(plan, state)
+      type(poinsot_plan), intent(inout) :: plan
+      integer, intent(out) :: state              !! 0, or there is no memory
+      type(class_item), allocatable :: longer(:)
+      integer :: i, room
+      state = 0
+      room = 0
+      if (allocated(plan%classes)) room = size(plan%classes)
+      if (plan%added < room) return
+      allocate (longer(max(1, 2*room)), stat=state)
+      if (state /= 0) return
+      do i = 1, room
+         longer(i)%from_tensor = plan%classes(i)%from_tensor
+         call move_alloc(plan%classes(i)%it, longer(i)%it)
+      end do
+      call move_alloc(longer, plan%classes)
+   end subroutine make_room
+
+   !> The class whose moments are nearest to those given, none of them further than `tolerance`
+   !> times the largest, of several the lowest; or a new one. Classes made from tensors are left
+   !> out.
+   subroutine find_class(plan, moments, tolerance, number, error)
+      type(poinsot_plan), intent(inout) :: plan
+      real(dp), intent(in) :: moments(3)            !! axis by axis, in the caller's order
+      real(dp), intent(in) :: tolerance             !! zero or positive
+      integer, intent(out) :: number                !! of the class, from 1
+      type(poinsot_error), intent(inout) :: error   !! POINSOT_E_DOMAIN: the tolerance, the moments
+      real(dp) :: accepted(3), bound
+      number = 0
+      if (refused(plan, error)) return
+      if (.not. ieee_is_finite(tolerance)) then
+         call raise(error, poinsot_e_domain, "find_class: tolerance is not finite")
+      else if (tolerance < 0) then
+         call raise(error, poinsot_e_domain, "find_class: tolerance is negative")
+      else
+         accepted = moments
+         call accept_moments(accepted, error, plan%physical)
+      end if
+      if (.not. raised(error)) call update_index(plan, error)
+      if (raised(error)) return
+      bound = huge(bound)
+      if (exponent(tolerance) + exponent(maxval(accepted)) < maxexponent(bound)) then
+         bound = tolerance*maxval(accepted)
+      end if
+      number = nearest_class(plan%index, accepted, bound)
+      if (number == 0) call add_class(plan, moments, number, error)
+   end subroutine find_class
+
+   !> Enter the classes that were added since the last time.
+   subroutine update_index(plan, error)
+      type(poinsot_plan), intent(inout) :: plan
+      type(poinsot_error), intent(inout) :: error
+      logical :: failed
+      do while (plan%indexed < plan%added)
+         associate (class => plan%classes(plan%indexed + 1)%it)
+            failed = .false.
+            if (.not. (class%turned .or. plan%classes(plan%indexed + 1)%from_tensor)) then
+               if (nearest_class(plan%index, class%moments, 0.0_dp) == 0) then
+                  call insert_class(plan%index, class%moments, plan%indexed + 1, failed)
+               end if
+            end if
+         end associate
+         if (failed) then
+            call raise(error, poinsot_e_memory, "no memory for the index of body classes")
+            return
+         end if
+         plan%indexed = plan%indexed + 1
+      end do
+   end subroutine update_index
 
    !> Set an option by name: method, splitting, layout, momentum, frame (of torques: body, space),
    !> threads, seed, tolerance, physical (yes, no: of classes added from then on). POINSOT_E_METHOD

@@ -163,6 +163,13 @@ static void plan(void) {
   CHECK(poinsot_plan_class_axes(it, 0, axes) == POINSOT_OK && axes[0] == 1 && axes[1] == 0 && axes[8] == 1);
   CHECK(poinsot_plan_message(it, text, sizeof text) == 0);
   CHECK(poinsot_plan_add_class(it, moments, &number) == POINSOT_OK && number == 1);
+  CHECK(poinsot_plan_find_class(NULL, moments, 0, &number) == POINSOT_E_NULL && number == 1);
+  CHECK(poinsot_plan_find_class(it, NULL, 0, &number) == POINSOT_E_NULL);
+  CHECK(poinsot_plan_find_class(it, moments, -1, &number) == POINSOT_E_DOMAIN && number == 1);
+  CHECK(poinsot_plan_find_class(it, moments, NAN, &number) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_find_class(it, bad, 0, &number) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_plan_find_class(it, moments, 0, &number) == POINSOT_OK && number == 0);
+  CHECK(poinsot_plan_find_class(it, moments, 1e-6, NULL) == POINSOT_OK);
   CHECK(poinsot_plan_set(it, NULL, "exact") == POINSOT_E_NULL);
   CHECK(poinsot_plan_set(it, "method", NULL) == POINSOT_E_NULL);
   for (i = 0; i < sizeof options / sizeof *options; i++)
@@ -465,7 +472,9 @@ static void fixed_form(void) {
   poinsot_plan_create_f_(&plan, &status);
   CHECK(status == POINSOT_OK);
   poinsot_plan_add_class_f_(&plan, first, &number, &status);
-  poinsot_plan_add_class_f_(&plan, second, &number, &status);
+  poinsot_plan_find_class_f_(&plan, first, &tolerance, &number, &status);
+  CHECK(status == POINSOT_OK && number == 1);
+  poinsot_plan_find_class_f_(&plan, second, &tolerance, &number, &status);
   CHECK(status == POINSOT_OK && number == 2);
   poinsot_plan_tolerance_f_(&plan, &tolerance, &status);
   CHECK(status == POINSOT_OK);
