@@ -68,11 +68,11 @@ contains
       do c = 1, size(problems)
          associate (flows => plan%composed(plan%composition(c)))
             terms = torque_terms()
-            call collect_terms(plan%classes(c), [flows%torques, flows%dissipative], plan%effects, &
-               terms, error)
+            call collect_terms(plan%classes(c)%it, [flows%torques, flows%dissipative], &
+               plan%effects, terms, error)
          end associate
          if (raised(error)) return
-         call make_torque_problem(plan%classes(c), terms, problems(c))
+         call make_torque_problem(plan%classes(c)%it, terms, problems(c))
       end do
    end subroutine torque_problems
 
