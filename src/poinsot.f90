@@ -44,8 +44,8 @@ module poinsot
       add_effect, add_ready_effect
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
-   use poinsot_free_method, only: free_method, find_method, poinsot_method_count => method_count, &
-      poinsot_method_name => method_name
+   use poinsot_free_method, only: free_method, find_method, &
+      poinsot_method_count => numbered_method_count, poinsot_method_name => numbered_method
    use poinsot_splitting_registry, only: poinsot_splitting_count => numbered_count, &
       poinsot_splitting_name => numbered_splitting, poinsot_splitting_flows => splitting_flows
    implicit none(type, external)

@@ -17,7 +17,8 @@ module test_ensemble
    use poinsot_ensemble_compose, only: make_ready
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
-   use poinsot_free_method, only: method_count, method_name
+   use poinsot_free_method, only: method_count, method_name, numbered_methods, &
+      numbered_method, numbered_method_count
    use poinsot_rotation_conversions, only: to_matrix
    use poinsot_rotation_quaternion, only: quaternion_conjugate, quaternion_product, &
       rotate, rotate_back
@@ -585,7 +586,19 @@ contains
       character(20), parameter :: splittings(16) = [character(20) :: "strang", "forest-ruth", &
          "suzuki4", "yoshida6", "mclachlan4", "srkn4", "srkn6", "chin4", "omelyan4", "omelyan6", &
          "omelyan8", "takahashi-imada", "taylor", "", "saba864", "saba1064"] ! 14: baoab
+      character(20), parameter :: methods(18) = [character(20) :: "exact", "jacobi", "dmv2", &
+         "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", "dmv20", "dmv22", &
+         "dmv24", "midpoint", "three-rotations", "symmetric-rotation", "rattle"]
       integer :: i
+      do i = 1, size(methods)
+         call expect(error, numbered_method(i), trim(methods(i)), "a method's number")
+      end do
+      do i = 1, method_count()
+         call expect(error, count(numbered_methods == method_name(i)), 1, &
+            "not one number: "//method_name(i))
+      end do
+      call expect(error, count(numbered_methods /= ""), method_count(), "shared numbers")
+      call expect(error, numbered_method(0)//numbered_method(numbered_method_count() + 1), "")
       do i = 1, size(splittings)
          if (splittings(i) == "") cycle
          call expect(error, numbered_splitting(i), trim(splittings(i)), "a splitting's number")

@@ -10,7 +10,7 @@ module poinsot_api_library
    use poinsot_core_status, only: status_texts, last_status, poinsot_ok, poinsot_e_null, &
       poinsot_e_size
    use poinsot_effect_registry, only: effect_names
-   use poinsot_free_method, only: method_names
+   use poinsot_free_method, only: numbered_methods
    use poinsot_splitting_registry, only: numbered_splittings, splitting_flows
    implicit none(type, external)
    private
@@ -22,8 +22,9 @@ module poinsot_api_library
    character(length, c_char), target, save :: texts(0:last_status) = &
       [character(length, c_char) :: (trim(status_texts(i))//c_null_char, i=0, last_status)]
    character(length, c_char), target, save :: no_text = "unknown status"//c_null_char
-   character(length, c_char), target, save :: methods(size(method_names)) = &
-      [character(length, c_char) :: (trim(method_names(i))//c_null_char, i=1, size(method_names))]
+   character(length, c_char), target, save :: methods(size(numbered_methods)) = &
+      [character(length, c_char) :: (trim(numbered_methods(i))//c_null_char, i=1, &
+         size(numbered_methods))]
    character(length, c_char), target, save :: splittings(size(numbered_splittings)) = &
       [character(length, c_char) :: (trim(numbered_splittings(i))//c_null_char, i=1, &
          size(numbered_splittings))]

@@ -1,8 +1,10 @@
 !> What a free method is, the registry name <-> method, and one step of a block by any of them.
 !>
-!> A new method is one kernel in a file of its own and one row in `registered`.
+!> A new method is one kernel in a file of its own, one row of `rows`, anywhere in it and with the
+!> next free number, and for a new kernel its line in `attach`. People see rows in their order,
+!> programs by number.
 module poinsot_free_method
-   use poinsot_core_kinds, only: dp, group, groups, lanes
+   use poinsot_core_kinds, only: dp, group, groups, lanes, name_length
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
@@ -16,6 +18,7 @@ module poinsot_free_method
    implicit none(type, external)
    private
    public :: free_method, find_method, method_names, method_count, method_name
+   public :: numbered_methods, numbered_method_count, numbered_method
    public :: advance, advance_lanes
 
    abstract interface
@@ -52,87 +55,159 @@ module poinsot_free_method
       end subroutine step_kernel
    end interface
 
-   integer, parameter :: name_length = 20
-
-   !> A free method: name, order, kernel.
+   !> A free method: what is known of it, and its kernel.
    type :: free_method
       character(name_length) :: name = ""
+      integer :: number = 0                        !! the public one: never another's
+      character(name_length) :: kernel = ""        !! the family of maps it is one of
       integer :: order = 0                         !! order of accuracy; 0: exact
       integer :: terms = 0                         !! terms of the preprocessing series
       logical :: conserves_energy = .true.         !! up to rounding
-      procedure(increment_kernel), pointer, nopass :: increment => null()
+      logical :: fixed_axes = .false.              !! another map if the axes come in another order
+      character(7) :: heading = ""                 !! of its column in tables; "": it has none
       character(64) :: about = ""                  !! one line for people
+      procedure(increment_kernel), pointer, nopass :: increment => null()
       procedure(step_kernel), pointer, nopass :: step => null() !! plain sums in one go, if there is
    end type free_method
 
    real(dp), parameter :: far = 1e70_dp !! beyond, h is looked at before it is multiplied
 
-   !> Names in the order in which people see them; `registered` says what each is.
-   character(name_length), parameter :: method_names(18) = [character(name_length) :: &
-      "exact", "jacobi", "dmv2", "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", &
-         "dmv18", "dmv20", &
-      "dmv22", "dmv24", "midpoint", "three-rotations", "symmetric-rotation", "rattle"]
-   integer, parameter :: registered_count = size(method_names)
+   !> A method as it is written down.
+   type :: method_row
+      character(name_length) :: name
+      integer :: number
+      character(name_length) :: kernel
+      integer :: order
+      character(7) :: heading
+      character(64) :: about
+      integer :: terms = 0
+      logical :: conserves_energy = .true.
+      logical :: fixed_axes = .false.
+   end type method_row
+
+   character(*), parameter :: dmv = "moser-veselov"
+   character(*), parameter :: preprocessed = "discrete Moser-Veselov map, preprocessed"
+   type(method_row), parameter :: rows(*) = [ &
+      method_row("exact", 1, "exact", 0, "exact", &
+         "explicit exact step; substeps and Jacobi's functions by itself"), &
+      method_row("jacobi", 2, "jacobi", 0, "jacobi", "Jacobi's elliptic functions, any step"), &
+      method_row("dmv2", 3, dmv, 2, "dmv2", "discrete Moser-Veselov map, plain"), &
+      method_row("dmv4", 4, dmv, 4, "dmv4", preprocessed, 1), &
+      method_row("dmv6", 5, dmv, 6, "", preprocessed, 2), &
+      method_row("dmv8", 6, dmv, 8, "dmv8", preprocessed, 3), &
+      method_row("dmv10", 7, dmv, 10, "", preprocessed, 4), &
+      method_row("dmv12", 8, dmv, 12, "", preprocessed, 5), &
+      method_row("dmv14", 9, dmv, 14, "", preprocessed, 6), &
+      method_row("dmv16", 10, dmv, 16, "dmv16", preprocessed, 7), &
+      method_row("dmv18", 11, dmv, 18, "", preprocessed, 8), &
+      method_row("dmv20", 12, dmv, 20, "", preprocessed, 9), &
+      method_row("dmv22", 13, dmv, 22, "", preprocessed, 10), &
+      method_row("dmv24", 14, dmv, 24, "dmv24", preprocessed, 11), &
+      method_row("midpoint", 15, "midpoint", 2, "midpnt", "implicit midpoint rule"), &
+      method_row("three-rotations", 16, "three-rotations", 2, "three", &
+         "splitting into rotations about the axes, 3-2-1-2-3", &
+         conserves_energy=.false., fixed_axes=.true.), &
+      method_row("symmetric-rotation", 17, "symmetric-rotation", 2, "symrot", &
+         "splitting into a symmetric body and a rotation", &
+         conserves_energy=.false., fixed_axes=.true.), &
+      method_row("rattle", 18, "rattle", 2, "rattle", &
+         "RATTLE in the matrices (P, Q); the map of dmv2")]
+
+   integer :: k !! of the tables only
+   !> Names in the order of the rows.
+   character(name_length), parameter :: method_names(*) = rows%name
+   !> Names by public number; "" where a number is not given.
+   character(name_length), parameter :: numbered_methods(*) = &
+      [(merge(rows(max(1, findloc(rows%number, k, dim=1)))%name, repeat(" ", name_length), &
+              any(rows%number == k)), k=1, maxval(rows%number))]
 
 contains
 
-   !> The registry: one row a method.
-   pure function registered() result(methods)
-      type(free_method) :: methods(registered_count)
-      integer :: n
-      methods(1) = free_method("", 0, 0, .true., exact_increment, &
-                               "explicit exact step; substeps and Jacobi's functions by itself", &
-                               exact_step)
-      methods(2) = free_method("", 0, 0, .true., jacobi_increment, &
-                               "Jacobi's elliptic functions, any step")
-      methods(3) = free_method("", 2, 0, .true., moser_veselov_increment, &
-                               "discrete Moser-Veselov map, plain")
-      do n = 1, 11
-         methods(3 + n) = free_method("", 2*n + 2, n, .true., moser_veselov_increment, &
-                                      "discrete Moser-Veselov map, preprocessed")
-      end do
-      methods(15) = free_method("", 2, 0, .true., midpoint_increment, "implicit midpoint rule")
-      methods(16) = free_method("", 2, 0, .false., three_rotations_increment, &
-                                "splitting into rotations about the axes, 3-2-1-2-3")
-      methods(17) = free_method("", 2, 0, .false., symmetric_rotation_increment, &
-                                "splitting into a symmetric body and a rotation")
-      methods(18) = free_method("", 2, 0, .true., rattle_increment, &
-                                "RATTLE in the matrices (P, Q); the map of dmv2")
-      methods%name = method_names
-   end function registered
-
    !> How many methods there are.
    pure integer function method_count()
-      method_count = registered_count
+      method_count = size(rows)
    end function method_count
 
-   !> Name of method i, 1 <= i <= method_count(); empty beyond.
+   !> Name of the method in row i, 1 <= i <= method_count(), as people see them listed; empty
+   !> beyond.
    pure function method_name(i) result(name)
       integer, intent(in) :: i
       character(:), allocatable :: name
       name = ""
-      if (i >= 1 .and. i <= registered_count) name = trim(method_names(i))
+      if (i >= 1 .and. i <= size(rows)) name = trim(method_names(i))
    end function method_name
+
+   !> The highest public number of a method.
+   pure integer function numbered_method_count()
+      numbered_method_count = size(numbered_methods)
+   end function numbered_method_count
+
+   !> Name of the method of public number i, from 1; "" for a number that none has.
+   pure function numbered_method(i) result(name)
+      integer, intent(in) :: i
+      character(:), allocatable :: name
+      name = ""
+      if (i >= 1 .and. i <= size(numbered_methods)) name = trim(numbered_methods(i))
+   end function numbered_method
 
    !> Method by name. POINSOT_E_METHOD for an unknown one, with the list of those there are.
    pure subroutine find_method(name, method, error)
       character(*), intent(in) :: name
       type(free_method), intent(out) :: method
       type(poinsot_error), intent(inout) :: error
-      type(free_method) :: methods(registered_count)
       character(:), allocatable :: list
+      character(name_length) :: wanted
       integer :: i
-      methods = registered()
+      wanted = name ! texts of one length are compared at once
+      if (len_trim(name) > name_length) wanted = ""
+      do i = 1, size(rows)
+         if (method_names(i) /= wanted) cycle
+         call take_row(i, method)
+         return
+      end do
       list = ""
-      do i = 1, registered_count
-         if (methods(i)%name == name) then
-            method = methods(i)
-            return
-         end if
-         list = list//" "//trim(methods(i)%name)
+      do i = 1, size(rows)
+         list = list//" "//trim(method_names(i))
       end do
       call raise(error, poinsot_e_method, "unknown method '"//trim(name)//"'; there are:"//list)
    end subroutine find_method
+
+   pure subroutine take_row(i, method)
+      integer, intent(in) :: i
+      type(free_method), intent(inout) :: method
+      method%name = rows(i)%name
+      method%number = rows(i)%number
+      method%kernel = rows(i)%kernel
+      method%order = rows(i)%order
+      method%terms = rows(i)%terms
+      method%conserves_energy = rows(i)%conserves_energy
+      method%fixed_axes = rows(i)%fixed_axes
+      method%heading = rows(i)%heading
+      method%about = rows(i)%about
+      call attach(method)
+   end subroutine take_row
+
+   !> The procedures of a kernel.
+   pure subroutine attach(method)
+      type(free_method), intent(inout) :: method
+      select case (method%kernel)
+      case ("exact")
+         method%increment => exact_increment
+         method%step => exact_step
+      case ("jacobi")
+         method%increment => jacobi_increment
+      case (dmv)
+         method%increment => moser_veselov_increment
+      case ("midpoint")
+         method%increment => midpoint_increment
+      case ("three-rotations")
+         method%increment => three_rotations_increment
+      case ("symmetric-rotation")
+         method%increment => symmetric_rotation_increment
+      case ("rattle")
+         method%increment => rattle_increment
+      end select
+   end subroutine attach
 
    !> One step h, either sign, of a block. A lane whose status is not POINSOT_OK stands still; a
    !> lane that fails here gets its status and keeps its state. With `nvec` the first 8 nvec lanes

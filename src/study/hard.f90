@@ -1,11 +1,11 @@
 !> `poinsot hard`: hard bodies, hard steps and hard tops through every method and splitting, with a
 !> verdict on each: tables for people, rows for machines.
 module poinsot_study_hard
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, name_length
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
    use poinsot_core_status, only: poinsot_e_convergence, poinsot_e_method
-   use poinsot_free_method, only: method_count, method_name
+   use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
    use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names, kind_about, cases_of_kind
@@ -18,11 +18,6 @@ module poinsot_study_hard
    implicit none(type, external)
    private
    public :: run_hard
-
-   character(20), parameter :: shown(11) = [character(20) :: "exact", "jacobi", "dmv2", "dmv4", &
-      "dmv8", "dmv16", "dmv24", "midpoint", "three-rotations", "symmetric-rotation", "rattle"]
-   character(7), parameter :: heads(11) = [character(7) :: "exact", "jacobi", "dmv2", "dmv4", &
-      "dmv8", "dmv16", "dmv24", "midpnt", "three", "symrot", "rattle"]
 
 contains
 
@@ -62,15 +57,15 @@ contains
    subroutine check_name(only, error)
       character(*), intent(in) :: only
       type(poinsot_error), intent(inout) :: error
-      character(20), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       integer :: i
       if (only == "") return
-      names = [character(20) :: kind_names, promise_names, top_names]
+      names = [character(name_length) :: kind_names, promise_names, top_names]
       do i = 1, method_count()
-         names = [character(20) :: names, method_name(i)]
+         names = [character(name_length) :: names, method_name(i)]
       end do
       do i = 1, splitting_count()
-         names = [character(20) :: names, splitting_name(i)]
+         names = [character(name_length) :: names, splitting_name(i)]
       end do
       if (any(names == only)) return
       call raise(error, poinsot_e_method, "hard: there is no case, method or splitting '"//only// &
@@ -80,11 +75,30 @@ contains
    ! Tables
    ! ---------------------------------------------------------------------------------------------
 
+   !> The methods that have a column in the tables, and its heading.
+   subroutine shown_methods(names, heads)
+      character(name_length), allocatable, intent(out) :: names(:)
+      character(7), allocatable, intent(out) :: heads(:)
+      type(free_method) :: method
+      type(poinsot_error) :: error
+      integer :: i
+      allocate (names(0), heads(0))
+      do i = 1, method_count()
+         call find_method(method_name(i), method, error)
+         if (method%heading == "") cycle
+         names = [names, method%name]
+         heads = [heads, method%heading]
+      end do
+   end subroutine shown_methods
+
    subroutine show_kinds(unit, rows)
       integer, intent(in) :: unit
       type(hard_row), intent(in) :: rows(:)
-      character(120) :: line
+      character(name_length), allocatable :: shown(:)
+      character(7), allocatable :: heads(:)
+      character(400) :: line
       integer :: kind, w
+      call shown_methods(shown, heads)
       call write_line(unit, "Hard bodies: worst error in units of conditioning (one unit: what "// &
          "moving inputs by")
       call write_line(unit, "1e-16 does), against a Taylor series in quadruple precision")
@@ -114,8 +128,11 @@ contains
    subroutine show_promises(unit, rows)
       integer, intent(in) :: unit
       type(hard_row), intent(in) :: rows(:)
-      character(120) :: line
+      character(name_length), allocatable :: shown(:)
+      character(7), allocatable :: heads(:)
+      character(400) :: line
       integer :: k
+      call shown_methods(shown, heads)
       call write_line(unit, "")
       call write_line(unit, &
          "Promises of every method, in 1e-16 of |y| and of 1; 0: to the bit; -: "// &
@@ -173,7 +190,7 @@ contains
    function table_line(case, rows, names, approach) result(line)
       character(*), intent(in) :: case, names(:), approach
       type(hard_row), intent(in) :: rows(:)
-      character(120) :: line
+      character(400) :: line
       character(8) :: cells(size(names))
       integer :: j
       do j = 1, size(names)
@@ -262,7 +279,7 @@ contains
       figure = cell(row)
       part = ""
       if (row%part > 0) write (part, "(f7.3, a)") min(row%part, 999.0_dp), " of the bound"
-      line = row%case//" "//row%who//row%approach//figure//"  "//part//verdict_words(row)
+      line = row%case//" "//row%who(:20)//row%approach//figure//"  "//part//verdict_words(row)
    end function line_of
 
    subroutine write_csv(folder, rows, error)

@@ -13,29 +13,35 @@ module poinsot_study_hard_cases
 
    integer, parameter :: cases_of_kind = 8
 
-   character(11), parameter :: kind_names(18) = [character(11) :: "generic", "nearsym", "flat", &
-      "nearlinear", "linear", "sphere", "separatrix", "on-separatr", "middle", "axis", "rest", &
-      "scale", "units", "wide", "slow", "tiny-step", "backwards", "long"]
+   !> A kind of body: its name, the seed of its cases (never another's), and what it is.
+   type :: kind_of_body
+      character(11) :: name
+      integer :: seed
+      character(70) :: about
+   end type kind_of_body
 
-   character(70), parameter :: kind_about(18) = [character(70) :: &
-      "three distinct moments, unsorted", &
-      "two moments within 1e-15 .. 1e-3 of each other", &
-      "one moment the sum of the others", &
-      "one moment 1e-14 .. 1e-3 of the others", &
-      "one moment zero", &
-      "three equal moments", &
-      "1e-16 .. 1e-2 off the separatrix", &
-      "on the separatrix as far as doubles go", &
-      "about the middle axis, 1e-16 .. 1e-1 off", &
-      "about a principal axis exactly", &
-      "no momentum", &
-      "moments and momenta times 1e-46 .. 1e20", &
-      "the same times 1e-140 .. 1e140, other units of time too", &
-      "moments over 8 decades, momenta over 12", &
-      "momenta of 1e-150 .. 1e-100", &
-      "h |omega| of 1e-160 .. 1e-9", &
-      "negative times", &
-      "up to a hundred radians"]
+   type(kind_of_body), parameter :: kinds(*) = [ &
+      kind_of_body("generic", 1, "three distinct moments, unsorted"), &
+      kind_of_body("nearsym", 2, "two moments within 1e-15 .. 1e-3 of each other"), &
+      kind_of_body("flat", 3, "one moment the sum of the others"), &
+      kind_of_body("nearlinear", 4, "one moment 1e-14 .. 1e-3 of the others"), &
+      kind_of_body("linear", 5, "one moment zero"), &
+      kind_of_body("sphere", 6, "three equal moments"), &
+      kind_of_body("separatrix", 7, "1e-16 .. 1e-2 off the separatrix"), &
+      kind_of_body("on-separatr", 8, "on the separatrix as far as doubles go"), &
+      kind_of_body("middle", 9, "about the middle axis, 1e-16 .. 1e-1 off"), &
+      kind_of_body("axis", 10, "about a principal axis exactly"), &
+      kind_of_body("rest", 11, "no momentum"), &
+      kind_of_body("scale", 12, "moments and momenta times 1e-46 .. 1e20"), &
+      kind_of_body("units", 13, "the same times 1e-140 .. 1e140, other units of time too"), &
+      kind_of_body("wide", 14, "moments over 8 decades, momenta over 12"), &
+      kind_of_body("slow", 15, "momenta of 1e-150 .. 1e-100"), &
+      kind_of_body("tiny-step", 16, "h |omega| of 1e-160 .. 1e-9"), &
+      kind_of_body("backwards", 17, "negative times"), &
+      kind_of_body("long", 18, "up to a hundred radians")]
+
+   character(11), parameter :: kind_names(*) = kinds%name
+   character(70), parameter :: kind_about(*) = kinds%about
 
    type :: stream
       integer(i8) :: a = 1, b = 1
@@ -50,8 +56,8 @@ contains
       type(stream) :: s
       real(dp) :: d(3), top, rate, units, parity
       integer :: j, shift
-      s%a = 7919_i8*kind + 104729_i8*number
-      s%b = 15485863_i8*number + 32452843_i8*kind
+      s%a = 7919_i8*kinds(kind)%seed + 104729_i8*number
+      s%b = 15485863_i8*number + 32452843_i8*kinds(kind)%seed
       do j = 1, 10
          d(1) = uniform(s)
       end do

@@ -110,15 +110,20 @@ contains
       type(free_method), intent(in) :: method
       type(solved_case), intent(in) :: one
       integer, intent(in) :: steps
+      ! of orders 2, 4, ..., 24
       real(dp), parameter :: at_one(12) = [0.5_dp, 1.5e-2_dp, 5e-4_dp, 2e-5_dp, 1e-6_dp, 4e-8_dp, &
          1.5e-9_dp, 5e-11_dp, 2e-12_dp, 1e-13_dp, 5e-15_dp, 5e-16_dp]
       real(dp) :: step, error
+      integer :: row
       step = one%turn/steps
       error = 0
-      if (method%order > 0) error = 3*at_one(method%order/2)*step**(method%order + 1)
+      row = max(1, min(size(at_one), method%order/2))
+      if (method%order > 0) error = 3*at_one(row)*step**(method%order + 1)
       if (method%order > 2) error = error*max(1.0_dp, step)**4 ! the series converges slowly there
       ! what three-rotations moves into a thin body's axis turns it there
-      if (method%name == "three-rotations" .and. one%thin > 10) error = max(error, one%thin*step**2)
+      if (method%kernel == "three-rotations" .and. one%thin > 10) then
+         error = max(error, one%thin*step**2)
+      end if
       allowed = min(2.0_dp, error*steps) + roundings*1e-16_dp
    end function allowed
 

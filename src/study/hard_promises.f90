@@ -1,6 +1,6 @@
 !> What every method promises on every body: measured, one figure a method.
 !>
-!> A promise is a procedure here and a row of the three lists: its bound stands beside what it says.
+!> A promise is a procedure here and a row of `promises`: its bound stands beside what it says.
 module poinsot_study_hard_promises
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_value, ieee_quiet_nan, &
       ieee_positive_inf
@@ -18,25 +18,32 @@ module poinsot_study_hard_promises
    private
    public :: promise_names, promise_bounds, promise_about, measure_promise, broken, measured_nothing
 
-   ! What is promised, and its bound in 1e-16.
-   character(9), parameter :: promise_names(10) = [character(9) :: &
-      "units-2", "units-10", "axes", "zero", "return", "at-rest", "any-step", "too-far", &
-      "near-unit", "no-unit"]
+   !> A promise: its name, its bound in 1e-16, and what it says.
+   type :: promise
+      character(9) :: name
+      real(dp) :: bound
+      character(74) :: about
+   end type promise
 
-   real(dp), parameter :: promise_bounds(10) = [ & !! in 1e-16
-      0.0_dp, 40.0_dp, 20.0_dp, 0.0_dp, 2000.0_dp, 10.0_dp, 100.0_dp, 0.0_dp, 60.0_dp, 0.0_dp]
+   type(promise), parameter :: promises(*) = [ &
+      promise("units-2", 0.0_dp, &
+         "other units, powers of two from 2^-498 to 2^498: the same bits"), &
+      promise("units-10", 40.0_dp, "powers of ten from 1e-150 to 1e150; a molecule in SI units"), &
+      promise("axes", 20.0_dp, "the axes in all six orders: the same motion"), &
+      promise("zero", 0.0_dp, "steps of 0 and -0 move nothing"), &
+      promise("return", 2000.0_dp, "100 steps there and 100 back"), &
+      promise("at-rest", 10.0_dp, &
+         "no momentum, momenta from 5e-324 to 1e-300: no turn, no spin-up"), &
+      promise("any-step", 100.0_dp, &
+         "1e-12 to 1e9 periods, both signs: |q|, |y| and Qy kept, or E_STEP"), &
+      promise("too-far", 0.0_dp, "a step beyond the method's reach: refused, the state kept"), &
+      promise("near-unit", 60.0_dp, "|q| off by 1e-16 to 1e-6: used as it is, the norm stays"), &
+      promise("no-unit", 0.0_dp, &
+         "|q| off by more, zero, infinite, not a number: refused, state kept")]
 
-   character(74), parameter :: promise_about(10) = [character(74) :: &
-      "other units, powers of two from 2^-498 to 2^498: the same bits", &
-      "powers of ten from 1e-150 to 1e150; a molecule in SI units", &
-      "the axes in all six orders: the same motion", &
-      "steps of 0 and -0 move nothing", &
-      "100 steps there and 100 back", &
-      "no momentum, momenta from 5e-324 to 1e-300: no turn, no spin-up", &
-      "1e-12 to 1e9 periods, both signs: |q|, |y| and Qy kept, or E_STEP", &
-      "a step beyond the method's reach: refused, the state kept", &
-      "|q| off by 1e-16 to 1e-6: used as it is, the norm stays", &
-      "|q| off by more, zero, infinite, not a number: refused, state kept"]
+   character(9), parameter :: promise_names(*) = promises%name
+   real(dp), parameter :: promise_bounds(*) = promises%bound
+   character(74), parameter :: promise_about(*) = promises%about
 
    real(dp), parameter :: broken = huge(1.0_dp)           !! a NaN, or a status that should not be
    real(dp), parameter :: measured_nothing = -1           !! the promise says nothing of this method
@@ -56,24 +63,27 @@ contains
    real(dp) function measure_promise(number, name) result(figure)
       integer, intent(in) :: number
       character(*), intent(in) :: name
+      type(free_method) :: method
+      type(poinsot_error) :: error
       real(dp) :: one
       integer :: b
+      call find_method(name, method, error)
       figure = measured_nothing
       do b = 1, bodies_count
          select case (promise_names(number))
          case ("units-2"); one = other_units(name, b, .true.)
          case ("units-10"); one = other_units(name, b, .false.)
-         case ("axes"); one = other_orders(name, b)
+         case ("axes"); one = other_orders(method, b)
          case ("zero"); one = no_step(name, b)
          case ("return"); one = there_and_back(name, b)
          case ("at-rest"); one = at_rest(name, b)
-         case ("any-step"); one = any_step(name, b)
-         case ("too-far"); one = too_far(name, b)
+         case ("any-step"); one = any_step(method, b)
+         case ("too-far"); one = too_far(method, b)
          case ("near-unit"); one = near_unit(name, b)
          case default; one = no_unit(name, b)
          end select
          ! its roundings grow like the largest moment over the smallest: a thin body counts for less
-         if (name == "three-rotations" .and. b == thin_body .and. one < broken) then
+         if (method%kernel == "three-rotations" .and. b == thin_body .and. one < broken) then
             one = one*minval(moments(:, b))/maxval(moments(:, b))
          end if
          figure = max(figure, one)
@@ -110,8 +120,8 @@ contains
    end function other_units
 
    !> Three steps with the axes relabelled by an even or odd permutation, labelled back.
-   real(dp) function other_orders(name, b) result(figure)
-      character(*), intent(in) :: name
+   real(dp) function other_orders(method, b) result(figure)
+      type(free_method), intent(in) :: method
       integer, intent(in) :: b
       integer, parameter :: orders(3, 5) = reshape([2, 3, 1, 3, 1, 2, 2, 1, 3, 1, 3, 2, 3, 2, 1], &
          [3, 5])
@@ -120,7 +130,7 @@ contains
       integer :: k, o(3), status(2)
       ! splittings about fixed axes are another map in another order
       figure = measured_nothing
-      if (name == "three-rotations" .or. name == "symmetric-rotation") return
+      if (method%fixed_axes) return
       figure = 0
       do k = 1, 5
          o = orders(:, k)
@@ -129,8 +139,8 @@ contains
          q = start
          z = parity*y(o)
          r = [q(1), parity*q(1 + o)]
-         call turn_one(name, moments(:, b), h, 3, y, q, status(1))
-         call turn_one(name, moments(o, b), h, 3, z, r, status(2))
+         call turn_one(method%name, moments(:, b), h, 3, y, q, status(1))
+         call turn_one(method%name, moments(o, b), h, 3, z, r, status(2))
          z(o) = parity*z
          r(1 + o) = parity*r(2:4)
          figure = max(figure, gap(status, y, q, z, r))
@@ -181,8 +191,8 @@ contains
       end do
    end function at_rest
 
-   real(dp) function any_step(name, b) result(figure)
-      character(*), intent(in) :: name
+   real(dp) function any_step(method, b) result(figure)
+      type(free_method), intent(in) :: method
       integer, intent(in) :: b
       integer, parameter :: powers(10) = [-12, -8, -4, -2, 0, 1, 2, 3, 6, 9]
       real(dp) :: y(3), q(4), turn, lost
@@ -192,8 +202,8 @@ contains
          turn = (-1)**k*6.28_dp*10.0_dp**powers(k)
          y = momenta(:, b)
          q = start
-         call turn_one(name, moments(:, b), turn, 1, y, q, status)
-         if (far(status) .and. name /= "exact" .and. name /= "jacobi") cycle
+         call turn_one(method%name, moments(:, b), turn, 1, y, q, status)
+         if (far(status) .and. method%order > 0) cycle
          lost = gap([status, poinsot_ok], rotate(q, y), [norm2(q), 0.0_dp, 0.0_dp, 0.0_dp], &
             rotate(start, momenta(:, b)), [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp])
          if (lost < broken) lost = lost/sqrt(max(1.0_dp, abs(turn)))
@@ -202,19 +212,19 @@ contains
    end function any_step
 
    !> How often a step that is too long is answered all the same, or moves the state.
-   real(dp) function too_far(name, b) result(figure)
-      character(*), intent(in) :: name
+   real(dp) function too_far(method, b) result(figure)
+      type(free_method), intent(in) :: method
       integer, intent(in) :: b
       real(dp), parameter :: steps(6) = [6.0_dp, -6.0_dp, 1e3_dp, 1e80_dp, -1e200_dp, 1e308_dp]
       real(dp) :: y(3), q(4)
       integer :: k, status
       figure = measured_nothing
-      if (name == "exact" .or. name == "jacobi") return
+      if (method%order == 0) return
       figure = 0
       do k = 1, size(steps)
          y = momenta(:, b)
          q = start
-         call turn_one(name, moments(:, b), steps(k), 2, y, q, status)
+         call turn_one(method%name, moments(:, b), steps(k), 2, y, q, status)
          if (.not. far(status)) figure = broken
          if (any(abs(y - momenta(:, b)) > 0) .or. any(abs(q - start) > 0)) figure = broken
       end do

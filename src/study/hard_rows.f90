@@ -1,6 +1,6 @@
 !> The rows of `poinsot hard`: who, on which case, with which figure, and the verdict.
 module poinsot_study_hard_rows
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, name_length
    use poinsot_free_method, only: method_count, method_name
    use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names
@@ -15,7 +15,7 @@ module poinsot_study_hard_rows
    !> One method or splitting on one case.
    type :: hard_row
       character(11) :: case = ""
-      character(20) :: who = ""          !! method, or splitting
+      character(name_length) :: who = "" !! method, or splitting
       character(6) :: approach = ""           !! whole, pieces; "" where there is one way only
       type(hard_result) :: counts = hard_result() !! answers and refusals of a kind of bodies
       real(dp) :: figure = 0             !! worst error, in conditioning units or in 1e-16

@@ -1,6 +1,6 @@
 !> Tops and strong fields through every splitting, with the exact rotor: one figure a splitting.
 !>
-!> A case is a procedure here and a row of the three lists.
+!> A case is a procedure here and a row of `tops`.
 module poinsot_study_hard_tops
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
@@ -20,20 +20,25 @@ module poinsot_study_hard_tops
    private
    public :: top_names, top_bounds, top_about, measure_top, top_bound
 
-   character(9), parameter :: top_names(7) = [character(9) :: &
-      "fast", "sleeping", "nudged", "upright", "back", "strong", "overflow"]
+   !> A case: its name, its bound in 1e-16 (-1: top_bound has it), and what is done.
+   type :: top
+      character(9) :: name
+      real(dp) :: bound
+      character(74) :: about
+   end type top
 
-   real(dp), parameter :: top_bounds(7) = [ & !! in 1e-16; -1: top_bound has it
-      4e5_dp, 0.0_dp, 3e9_dp, -1.0_dp, -1.0_dp, 1e14_dp, 0.0_dp]
+   type(top), parameter :: tops(*) = [ &
+      top("fast", 4e5_dp, "spin 1e4 times the precession, h spin = 50: energy and L_z kept"), &
+      top("sleeping", 0.0_dp, "upright at the threshold of stability, 200 steps: it stays"), &
+      top("nudged", 3e9_dp, "the same tilted by 1e-8: the tilt after 200 steps of .05"), &
+      top("upright", -1.0_dp, "swings through the upright, h = .02, 500 steps: energy kept"), &
+      top("back", -1.0_dp, "250 steps there and 250 back"), &
+      top("strong", 1e14_dp, "a dipole in a field, h omega0 = .5, 2000 steps: energy kept"), &
+      top("overflow", 0.0_dp, "a field of 1e80 units: a status, the state of before")]
 
-   character(74), parameter :: top_about(7) = [character(74) :: &
-      "spin 1e4 times the precession, h spin = 50: energy and L_z kept", &
-      "upright at the threshold of stability, 200 steps: it stays", &
-      "the same tilted by 1e-8: the tilt after 200 steps of .05", &
-      "swings through the upright, h = .02, 500 steps: energy kept", &
-      "250 steps there and 250 back", &
-      "a dipole in a field, h omega0 = .5, 2000 steps: energy kept", &
-      "a field of 1e80 units: a status, the state of before"]
+   character(9), parameter :: top_names(*) = tops%name
+   real(dp), parameter :: top_bounds(*) = tops%bound
+   character(74), parameter :: top_about(*) = tops%about
 
    real(dp), parameter :: moments(3) = [0.6_dp, 0.6_dp, 1.0_dp]
    character(*), parameter :: weight = "centre = 0, 0, 1; weight = 1"
@@ -44,14 +49,14 @@ contains
    real(dp) function top_bound(number, scheme) result(bound)
       integer, intent(in) :: number
       character(*), intent(in) :: scheme
-      real(dp), parameter :: upright(4) = [5e12_dp, 2e11_dp, 1e6_dp, 2e4_dp]
+      real(dp), parameter :: upright(4) = [5e12_dp, 2e11_dp, 1e6_dp, 2e4_dp] !! orders 2 to 8
       type(splitting) :: found
       type(poinsot_error) :: error
       bound = top_bounds(number)
       if (.not. bound < 0) return
       call find_splitting(scheme, found, error)
       if (top_names(number) == "upright") then
-         bound = upright(found%order/2)
+         bound = upright(max(1, min(size(upright), found%order/2)))
       else
          bound = merge(2e6_dp, 2000.0_dp, size(found%enter) > 0)
       end if

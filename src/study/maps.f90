@@ -3,12 +3,14 @@
 !> them below 1e-16; these maps can, and are compared with the kernels, state by state, before
 !> anything is said about them.
 module poinsot_study_maps
+   use poinsot_core_error, only: poinsot_error
    use poinsot_core_kinds, only: dp, qp
+   use poinsot_free_method, only: free_method, find_method
    use poinsot_study_dual, only: dual, constant, sqrt, sin, cos, operator(+), operator(-), &
       operator(*), operator(/)
    implicit none(type, external)
    private
-   public :: step_map, dual_product
+   public :: step_map, has_map, dual_product
 
    integer, parameter :: taylor_order = 40
    real(qp), parameter :: taylor_step = 0.2_qp !! h |omega| of a piece: its remainder is below 1e-33
@@ -17,7 +19,7 @@ contains
 
    !> One step h of the method `name`, moments in any order; a zero moment counts as 1/I = 0.
    subroutine step_map(name, moments, h, y, q, ok)
-      !> of the registry; exact and jacobi are the flow itself
+      !> of the registry; its kernel says which map it is: that of exact and jacobi is the flow
       character(*), intent(in) :: name
       real(dp), intent(in) :: moments(3)
       real(qp), intent(in) :: h
@@ -25,11 +27,13 @@ contains
       logical, intent(out) :: ok                 !! .false. if there is no such map, or no root
       real(qp) :: inverse(3)
       type(dual) :: modified(3)
-      integer :: order, code
+      type(free_method) :: method
+      type(poinsot_error) :: error
+      call find_method(name, method, error)
       inverse = 0
       where (moments > 0) inverse = 1/real(moments, qp)
       ok = .true.
-      select case (name)
+      select case (method%kernel)
       case ("exact", "jacobi")
          call flow(inverse, h, y, q)
       case ("three-rotations")
@@ -46,16 +50,23 @@ contains
       case ("rattle")
          modified = constant(inverse)
          call cayley_step(modified, h, .true., y, q, ok)
-      case default
-         ok = name(:min(3, len(name))) == "dmv"
-         if (.not. ok) return
-         read (name(4:), *, iostat=code) order
-         ok = code == 0
-         if (.not. ok) return
-         call modified_inverses(moments, order/2 - 1, h, y, modified)
+      case ("moser-veselov")
+         call modified_inverses(moments, method%terms, h, y, modified)
          call cayley_step(modified, h, .true., y, q, ok)
+      case default
+         ok = .false.
       end select
    end subroutine step_map
+
+   !> Is there a map of this method? There is one for each kernel; a method with a kernel of its own
+   !> may be without.
+   logical function has_map(name)
+      character(*), intent(in) :: name
+      type(dual) :: y(3), q(4)
+      y = constant([0.3_qp, 0.4_qp, 0.5_qp])
+      q = constant([1.0_qp, 0.0_qp, 0.0_qp, 0.0_qp])
+      call step_map(name, [0.6_dp, 0.8_dp, 1.0_dp], 0.01_qp, y, q, has_map)
+   end function has_map
 
    ! Splittings
    ! -----------------------------------------------------------------------------------------------

@@ -6,13 +6,14 @@
 !> with the kernel it stands for; their distance, and what the kernels themselves lose over a
 !> hundred steps, is in the table too.
 module poinsot_study_properties
-   use poinsot_core_kinds, only: dp, qp
+   use poinsot_core_kinds, only: dp, qp, name_length
    use poinsot_core_error, only: poinsot_error, raised, raise
    use poinsot_core_status, only: poinsot_ok, poinsot_e_convergence
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_rotation_quaternion, only: rotate
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
    use poinsot_study_defects, only: defects, measure_defects, plain_step
+   use poinsot_study_maps, only: has_map
    use poinsot_study_write_line, only: write_line
    use poinsot_study_turn, only: turn_one, momentum_gap, attitude_gap
    implicit none(type, external)
@@ -21,7 +22,8 @@ module poinsot_study_properties
 
    !> What is known of one method.
    type :: method_properties
-      character(20) :: name = ""
+      character(name_length) :: name = ""
+      logical :: has_map = .true.         !! else there are the figures of the kernel alone
       integer :: order = 0                !! of the registry; 0: exact
       real(dp) :: slope(2) = 0            !! order of the map, y and q
       !> order of the kernel; 0 if rounding leaves less than three points
@@ -46,15 +48,25 @@ module poinsot_study_properties
    real(dp), parameter :: attitude(4) = [0.1_dp, 0.7_dp, -0.5_dp, 0.5_dp]
    real(dp), parameter :: turn = 0.8_dp
 
-   ! The review's Table 2, columns Qy, C, H, Poisson, symplectic.
-   character(20), parameter :: reviewed(5) = [character(20) :: "jacobi", "symmetric-rotation", &
-      "rattle", "midpoint", "dmv"]
-   logical, parameter :: review(5, 5) = reshape([ &
-      .true., .true., .true., .true., .true., &
-      .true., .true., .false., .true., .true., &
-      .true., .true., .true., .true., .true., &
-      .true., .true., .true., .false., .false., &
-      .true., .true., .true., .true., .false.], [5, 5])
+   !> A row of the review's Table 2: the kernel it is of, with preprocessing or without, and what is
+   !> printed in the columns.
+   type :: reviewed_row
+      character(name_length) :: kernel
+      logical :: preprocessed
+      logical :: keeps(5)
+   end type reviewed_row
+
+   character(12), parameter :: columns(5) = [character(12) :: "Qy", "C", "H", "Poisson", &
+      "symplectic"]
+   logical, parameter :: yes = .true., no = .false.
+   type(reviewed_row), parameter :: review(*) = [ &
+      reviewed_row("exact", no, [yes, yes, yes, yes, yes]), &
+      reviewed_row("jacobi", no, [yes, yes, yes, yes, yes]), &
+      reviewed_row("symmetric-rotation", no, [yes, yes, no, yes, yes]), &
+      reviewed_row("rattle", no, [yes, yes, yes, yes, yes]), &
+      reviewed_row("moser-veselov", no, [yes, yes, yes, yes, yes]), &
+      reviewed_row("moser-veselov", yes, [yes, yes, yes, yes, no]), &
+      reviewed_row("midpoint", no, [yes, yes, yes, no, no])]
 
 contains
 
@@ -101,30 +113,32 @@ contains
       if (raised(error)) return
       row%name = name
       row%order = method%order
+      row%has_map = has_map(name)
       row%map%ok = .true.
       do i = 1, states
-         call at_state(bodies(:, i), momenta(:, i), row)
+         if (row%has_map) call at_state(bodies(:, i), momenta(:, i), row)
+         call kernel_losses(bodies(:, i), momenta(:, i), row)
       end do
       if (.not. row%map%ok) then
          call raise(error, poinsot_e_convergence, name//": a map has no answer")
          return
       end if
+      if (row%order > 0) call kernel_slopes(row)
+      if (.not. row%has_map) return
       do i = 0, 2
          call symmetric_body(cshift([0.7_dp, 0.7_dp, 1.1_dp], i), 3 - i, row)
       end do
       call symmetric_body([0.9_dp, 0.9_dp, 0.9_dp], 0, row)
-      if (row%order == 0) return
-      call map_slopes(row)
-      call kernel_slopes(row)
+      if (row%order > 0) call map_slopes(row)
    end subroutine measure_method
 
-   !> Defects, distance of kernel and map, losses of the kernel.
+   !> Defects, distance of kernel and map.
    subroutine at_state(moments, y, row)
       real(dp), intent(in) :: moments(3), y(3)
       type(method_properties), intent(inout) :: row
       type(defects) :: found
       real(qp) :: ym(3), qm(4)
-      real(dp) :: h, yk(3), qk(4), before(3), after(3)
+      real(dp) :: h, yk(3), qk(4)
       integer :: status, k
       logical :: ok
       h = turn/norm2(y/moments)
@@ -149,16 +163,26 @@ contains
          row%distance = max(row%distance, momentum_gap(real(yk, qp), ym)/1e-16_dp, &
             attitude_gap(real(qk, qp), qm)/1e-16_dp)
       end do
+   end subroutine at_state
+
+   !> What the kernel loses in a hundred steps.
+   subroutine kernel_losses(moments, y, row)
+      real(dp), intent(in) :: moments(3), y(3)
+      type(method_properties), intent(inout) :: row
+      real(dp) :: h, yk(3), qk(4), before(3), after(3)
+      integer :: status
+      h = turn/norm2(y/moments)
       yk = y
       qk = attitude
       before = rotate(qk, yk)
       call turn_one(trim(row%name), moments, h/3, 100, yk, qk, status)
+      row%map%ok = row%map%ok .and. status == poinsot_ok
       after = rotate(qk, yk)
       row%kernel(1) = max(row%kernel(1), norm2(after - before)/norm2(y))
       row%kernel(2) = max(row%kernel(2), abs(sum(yk*yk)/sum(y*y) - 1))
       row%kernel(3) = max(row%kernel(3), abs(sum(yk*yk/moments)/sum(y*y/moments) - 1))
       row%kernel(4) = max(row%kernel(4), abs(norm2(qk) - 1))
-   end subroutine at_state
+   end subroutine kernel_losses
 
    !> Two equal moments and the axis of symmetry; axis 0: a sphere.
    subroutine symmetric_body(moments, axis, row)
@@ -276,17 +300,19 @@ contains
    subroutine show_row(unit, row)
       integer, intent(in) :: unit
       type(method_properties), intent(in) :: row
+      character(*), parameter :: table = &
+         "(a20, 1x, a13, 2x, 4(a3, 1x), 3(a3, 5x), a3, 8x, a3, 3x, a3, f8.1)"
       character(13) :: orders
       character(120) :: line
       orders = "exact exact"
-      if (row%order > 0) write (orders, "(f5.2, 1x, f5.2)") row%slope
-      write (line, "(a20, 1x, a13, 2x, 4(a3, 1x), 3(a3, 5x), a3, 8x, a3, 3x, a3, f8.1)") row%name, &
-         orders, holds(row%map%space), holds(row%map%casimir), holds(row%map%energy), &
-         holds(row%map%norm), &
+      if (row%order > 0) write (orders, "(f5.2, 1x, f5.2)") merge(row%slope, row%kernel_slope, &
+         row%has_map)
+      line = row%name(:20)//" "//orders//"  no map: its kernel is measured alone"
+      if (row%has_map) write (line, table) row%name, orders, holds(row%map%space), &
+         holds(row%map%casimir), holds(row%map%energy), holds(row%map%norm), &
          holds(row%linear), holds(row%map%poisson), holds(row%map%symplectic), &
          holds(max(row%map%symmetric, row%map%reversible)), holds(row%symmetric_body), &
-            holds(row%sphere), &
-         row%distance
+         holds(row%sphere), row%distance
       call write_line(unit, line)
    end subroutine show_row
 
@@ -326,24 +352,25 @@ contains
       type(method_properties), intent(in) :: row
       character(100), intent(inout) :: contradictions(:)
       integer, intent(inout) :: said
-      character(12), parameter :: columns(5) = [character(12) :: "Qy", "C", "H", "Poisson", &
-         "symplectic"]
       real(dp) :: measured(5)
+      type(free_method) :: method
+      type(poinsot_error) :: error
       integer :: i, k
+      if (.not. row%has_map) return
+      call find_method(trim(row%name), method, error)
       measured = [row%map%space, row%map%casimir, row%map%energy, row%map%poisson, &
          row%map%symplectic]
-      k = findloc(reviewed, row%name, dim=1)
-      if (row%name == "exact") k = 1
-      if (row%name == "dmv2") k = 3
-      if (row%name(:3) == "dmv" .and. row%order > 2) k = 5
-      if (k == 0) return
-      do i = 1, 5
-         if (holds(measured(i)) == merge("yes", "no ", review(i, k))) cycle
-         if (said == size(contradictions)) return
-         said = said + 1
-         write (contradictions(said), "(a, ': ', a, ' printed ', a, ', measured ', a, es9.1)") &
-            trim(row%name), trim(columns(i)), trim(merge("yes", "no ", review(i, k))), &
-            holds(measured(i)), measured(i)
+      do k = 1, size(review)
+         if (review(k)%kernel /= method%kernel) cycle
+         if (review(k)%preprocessed .neqv. method%terms > 0) cycle
+         do i = 1, size(columns)
+            if (holds(measured(i)) == merge("yes", "no ", review(k)%keeps(i))) cycle
+            if (said == size(contradictions)) return
+            said = said + 1
+            write (contradictions(said), "(a, ': ', a, ' printed ', a, ', measured ', a, es9.1)") &
+               trim(row%name), trim(columns(i)), &
+               trim(merge("yes", "no ", review(k)%keeps(i))), holds(measured(i)), measured(i)
+         end do
       end do
    end subroutine compare_with_review
 
@@ -354,14 +381,20 @@ contains
          "kernel_Qy,kernel_C,kernel_H,kernel_norm"
    end function csv_head
 
+   !> Without a map its columns are empty.
    function csv_row(row) result(line)
       type(method_properties), intent(in) :: row
       character(:), allocatable :: line
       character(400) :: numbers
-      write (numbers, "(a, ',', i0, 20(',', es10.3))") trim(row%name), row%order, row%slope, &
-         row%kernel_slope, row%distance, row%map%space, row%map%casimir, row%map%energy, &
-         row%map%norm, row%linear, row%map%poisson, row%map%symplectic, row%map%symmetric, &
-         row%map%reversible, row%symmetric_body, row%sphere, row%kernel
+      if (row%has_map) then
+         write (numbers, "(a, ',', i0, 20(',', es10.3))") trim(row%name), row%order, row%slope, &
+            row%kernel_slope, row%distance, row%map%space, row%map%casimir, row%map%energy, &
+            row%map%norm, row%linear, row%map%poisson, row%map%symplectic, row%map%symmetric, &
+            row%map%reversible, row%symmetric_body, row%sphere, row%kernel
+      else
+         write (numbers, "(a, ',', i0, ',,', 2(',', es10.3), a, 4(',', es10.3))") trim(row%name), &
+            row%order, row%kernel_slope, repeat(",", 12), row%kernel
+      end if
       line = trim(numbers)
    end function csv_row
 
