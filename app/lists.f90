@@ -1,5 +1,6 @@
 !> poinsot methods, splittings, effects, keys, scenes: what there is.
 module app_lists
+   use poinsot_core_kinds, only: name_length
    use poinsot_core_error, only: poinsot_error
    use poinsot_core_nearest, only: suggestion
    use poinsot_effect_settings, only: effect_info, effect_key
@@ -110,7 +111,7 @@ contains
       else
          do i = 1, effect_count
             call get_group(i, info)
-            call say(info%name // trim(info%formula))
+            call say(info%name(:18) // trim(info%formula))
          end do
          call say("")
          call say("poinsot effects NAME explains one; scene, bodies and output are explained too")
@@ -146,7 +147,7 @@ contains
       character(*), intent(in) :: name
       type(effect_info), intent(out) :: info
       integer, intent(out) :: i                   !! its number; 0: there is none
-      character(18) :: names(group_count)
+      character(name_length) :: names(group_count)
       do i = 1, group_count
          call get_group(i, info)
          if (info%name == name) return

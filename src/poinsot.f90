@@ -29,8 +29,8 @@ module poinsot
    use poinsot_effect_callback, only: poinsot_user_torque => user_torque, &
       poinsot_user_potential => user_potential
    use poinsot_effect_effect, only: poinsot_effect => effect
-   use poinsot_effect_registry, only: poinsot_effect_count => effect_count, &
-      poinsot_effect_name => effect_name
+   use poinsot_effect_registry, only: poinsot_effect_count => numbered_effect_count, &
+      poinsot_effect_name => numbered_effect
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_elliptic_jacobi, only: poinsot_jacobi => jacobi_functions

@@ -7,8 +7,9 @@ module test_ensemble
    use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_domain, &
       poinsot_e_not_unit, &
       poinsot_e_method, poinsot_e_partial, poinsot_e_size
-   use poinsot_effect_registry, only: effect_count, effect_name, effect_names
-   use poinsot_effect_settings, only: setting
+   use poinsot_effect_registry, only: effect_count, effect_name, describe_effect, &
+      numbered_effects, numbered_effect, numbered_effect_count
+   use poinsot_effect_settings, only: setting, effect_info
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_ensemble_bodies, only: body_view, column, view_columns, view_rows
    use poinsot_ensemble_system, only: torque_callback
@@ -65,7 +66,7 @@ contains
          new_unittest("callback-stops", test_stop), &
          new_unittest("plan-refuses", test_refusals), &
          new_unittest("settings-in-a-text", test_settings), &
-         new_unittest("names-are-those-of-the-rows", test_names), &
+         new_unittest("labels-are-those-of-the-rows", test_names), &
          new_unittest("public-numbers", test_numbers)]
       call collect_bits(bits)
       call collect_every(every)
@@ -570,12 +571,14 @@ contains
       end do
    end subroutine test_settings
 
-   !> The C door shows names from lists: they are those of the rows.
+   !> Effects have a label and a row: both are of the same names.
    subroutine test_names(error)
       type(error_type), allocatable, intent(out) :: error
+      type(effect_info) :: info
       integer :: i
       do i = 1, effect_count
-         call expect(error, trim(effect_names(i)), effect_name(i), "effect_names")
+         info = describe_effect(i)
+         call expect(error, trim(info%name), effect_name(i), "a label without a row")
       end do
    end subroutine test_names
 
@@ -589,7 +592,19 @@ contains
       character(20), parameter :: methods(18) = [character(20) :: "exact", "jacobi", "dmv2", &
          "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", "dmv20", "dmv22", &
          "dmv24", "midpoint", "three-rotations", "symmetric-rotation", "rattle"]
+      character(20), parameter :: effects(10) = [character(20) :: "gravity", "field", &
+         "gravity_gradient", "spring", "torque", "drag", "langevin", "gyrostat", "dipoles", &
+         "callback"]
       integer :: i
+      do i = 1, size(effects)
+         call expect(error, numbered_effect(i), trim(effects(i)), "an effect's number")
+      end do
+      do i = 1, effect_count
+         call expect(error, count(numbered_effects == effect_name(i)), 1, &
+            "not one number: "//effect_name(i))
+      end do
+      call expect(error, count(numbered_effects /= ""), effect_count, "shared numbers")
+      call expect(error, numbered_effect(0)//numbered_effect(numbered_effect_count() + 1), "")
       do i = 1, size(methods)
          call expect(error, numbered_method(i), trim(methods(i)), "a method's number")
       end do

@@ -9,7 +9,7 @@ module poinsot_api_library
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: status_texts, last_status, poinsot_ok, poinsot_e_null, &
       poinsot_e_size
-   use poinsot_effect_registry, only: effect_names
+   use poinsot_effect_registry, only: numbered_effects
    use poinsot_free_method, only: numbered_methods
    use poinsot_splitting_registry, only: numbered_splittings, splitting_flows
    implicit none(type, external)
@@ -28,8 +28,9 @@ module poinsot_api_library
    character(length, c_char), target, save :: splittings(size(numbered_splittings)) = &
       [character(length, c_char) :: (trim(numbered_splittings(i))//c_null_char, i=1, &
          size(numbered_splittings))]
-   character(length, c_char), target, save :: effects(size(effect_names)) = &
-      [character(length, c_char) :: (trim(effect_names(i))//c_null_char, i=1, size(effect_names))]
+   character(length, c_char), target, save :: effects(size(numbered_effects)) = &
+      [character(length, c_char) :: (trim(numbered_effects(i))//c_null_char, i=1, &
+         size(numbered_effects))]
 
 contains
 

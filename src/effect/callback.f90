@@ -9,12 +9,15 @@ module poinsot_effect_callback
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: torque_effect
-   use poinsot_effect_settings, only: effect_info, effect_key
+   use poinsot_effect_row, only: effect_label, effect_row
+   use poinsot_effect_settings, only: effect_key
    use poinsot_rotation_quaternion, only: quaternion_product, quaternion_conjugate, &
       rotate_back
    implicit none(type, external)
    private
-   public :: user_torque, user_potential, describe_callback, torque_of_gradient
+   public :: user_torque, user_potential, callback_label, callback_row, torque_of_gradient
+
+   type(effect_label), parameter :: callback_label = effect_label("callback", 10)
 
    !> Torque and energy of one body from its attitude as a quaternion.
    type, abstract, extends(torque_effect) :: user_torque
@@ -56,15 +59,15 @@ module poinsot_effect_callback
 
 contains
 
-   !> The registry row.
-   pure function describe_callback() result(info)
-      type(effect_info) :: info
-      info%name = "callback"
-      info%formula = "a program's own torque, or U and dU/dQ: torque = -rot(Q^T dU/dQ)"
-      info%check = "the heavy top through the callback"
-      info%gradient = .false.
-      allocate (info%keys(0))
-   end function describe_callback
+   !> What the registry knows of it.
+   function callback_row() result(row)
+      type(effect_row) :: row
+      row%info%name = callback_label%name
+      row%info%formula = "a program's own torque, or U and dU/dQ: torque = -rot(Q^T dU/dQ)"
+      row%info%check = "the heavy top through the callback"
+      row%info%gradient = .false.
+      allocate (row%info%keys(0))
+   end function callback_row
 
    !> -rot(Q^T dU/dQ), where hat(rot M) = M - M^T (review, equation (8)).
    pure function torque_of_gradient(attitude, gradient) result(torque)

@@ -6,11 +6,14 @@ module poinsot_effect_dipoles
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_effect_effect, only: effect, pair_effect
    use poinsot_effect_geometry, only: each_to_body, to_space
+   use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, get_value, &
       get_direction, was_given, class_vectors
    implicit none(type, external)
    private
-   public :: dipoles, describe_dipoles, make_dipoles
+   public :: dipoles, dipoles_label, dipoles_row
+
+   type(effect_label), parameter :: dipoles_label = effect_label("dipoles", 9)
 
    ! distances between which r^3 is a normal number
    real(dp), parameter :: nearest = 1e-100_dp, farthest = 1e90_dp
@@ -33,14 +36,14 @@ module poinsot_effect_dipoles
 
 contains
 
-   !> The registry row.
-   pure function describe_dipoles() result(info)
-      type(effect_info) :: info
-      info%name = "dipoles"
-      info%formula = "U = C sum_(i<j) [m_i.m_j - 3 (m_i.r)(m_j.r)/r^2]/r^3,  m = Q dipole"
-      info%check = "two head to tail, C = coupling m^2: w^2 = C/(I r^3), 3 C/(I r^3); &
+   !> What the registry knows of it.
+   function dipoles_row() result(row)
+      type(effect_row) :: row
+      row%info%name = dipoles_label%name
+      row%info%formula = "U = C sum_(i<j) [m_i.m_j - 3 (m_i.r)(m_j.r)/r^2]/r^3,  m = Q dipole"
+      row%info%check = "two head to tail, C = coupling m^2: w^2 = C/(I r^3), 3 C/(I r^3); &
                    &L along r kept"
-      allocate (info%keys, source=[ &
+      allocate (row%info%keys, source=[ &
                   number_key("dipole", 3, -1, "required", "dipole moment", &
                              "body frame: three numbers for all, or three per body class", &
                              class_vectors), &
@@ -52,7 +55,8 @@ contains
                   "without positions: distance along a chain"), &
                   number_key("axis", 3, 3, "1,0,0", "direction", &
                   "without positions: direction of the chain")])
-   end function describe_dipoles
+      row%make => make_dipoles
+   end function dipoles_row
 
    !> Dipoles from checked settings.
    subroutine make_dipoles(info, settings, made, error)

@@ -8,10 +8,13 @@ module poinsot_effect_drag
    use poinsot_effect_terms, only: torque_terms
    use poinsot_effect_friction, only: get_friction, full_flow, apply_flow, &
       apply_full_each, decay_rate
+   use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, per_axis
    implicit none(type, external)
    private
-   public :: drag, describe_drag, make_drag
+   public :: drag, drag_label, drag_row
+
+   type(effect_label), parameter :: drag_label = effect_label("drag", 6)
 
    !> torque = -friction_i omega_i
    type, extends(flow_effect) :: drag
@@ -25,18 +28,19 @@ module poinsot_effect_drag
 
 contains
 
-   !> The registry row.
-   pure function describe_drag() result(info)
-      type(effect_info) :: info
-      info%name = "drag"
-      info%formula = "torque = -friction omega;  exact flow y_i -> exp(-friction_i h/I_i) y_i"
-      info%check = "sphere: y exp(-friction t/I); dE/dt = -omega.friction omega"
-      info%order = 2
-      info%gradient = .false.
-      allocate (info%keys, source=[ &
+   !> What the registry knows of it.
+   function drag_row() result(row)
+      type(effect_row) :: row
+      row%info%name = drag_label%name
+      row%info%formula = "torque = -friction omega;  exact flow y_i -> exp(-friction_i h/I_i) y_i"
+      row%info%check = "sphere: y exp(-friction t/I); dE/dt = -omega.friction omega"
+      row%info%order = 2
+      row%info%gradient = .false.
+      allocate (row%info%keys, source=[ &
                 number_key("friction", 1, 3, "required", "torque per angular velocity", &
                            "drag, the same for all axes or per body axis", per_axis)])
-   end function describe_drag
+      row%make => make_drag
+   end function drag_row
 
    !> A drag from checked settings.
    subroutine make_drag(info, settings, made, error)

@@ -6,7 +6,7 @@
 !> of one body class, in its principal frame. Torques add. Scalars that depend on time or class only
 !> are computed once per call; lanes see no libm.
 module poinsot_effect_effect
-   use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_kinds, only: dp, i8, lanes, name_length
    use poinsot_body_class, only: body_class
    use poinsot_effect_settings, only: setting
    use poinsot_effect_terms, only: torque_terms
@@ -16,7 +16,7 @@ module poinsot_effect_effect
 
    !> Any effect.
    type, abstract :: effect
-      character(18) :: name = ""     !! its name in the registry
+      character(name_length) :: name = ""     !! its name in the registry
       integer :: class_index = 0     !! the body class it acts on, counted from 1; 0 = all of them
    contains
       procedure :: acts_on

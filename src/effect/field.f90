@@ -7,11 +7,14 @@ module poinsot_effect_field
    use poinsot_effect_geometry, only: turned, add_linear_torque, add_linear_energy, &
       add_linear_derivative
    use poinsot_effect_terms, only: torque_terms, linear_term, space_direction, cross_matrix
+   use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
       get_value, get_text, get_direction, body_vector
    implicit none(type, external)
    private
-   public :: field, describe_field, make_field
+   public :: field, field_label, field_row
+
+   type(effect_label), parameter :: field_label = effect_label("field", 2)
 
    integer, parameter :: static = 0, rotating = 1, oscillating = 2
 
@@ -34,14 +37,14 @@ module poinsot_effect_field
 
 contains
 
-   !> The registry row.
-   pure function describe_field() result(info)
-      type(effect_info) :: info
-      info%name = "field"
-      info%formula = "U = -dipole.(Q^T E);  torque = dipole x (Q^T E);  &
+   !> What the registry knows of it.
+   function field_row() result(row)
+      type(effect_row) :: row
+      row%info%name = field_label%name
+      row%info%formula = "U = -dipole.(Q^T E);  torque = dipole x (Q^T E);  &
                      &E = E0, turned by W t + phase, or E0 cos"
-      info%check = "libration sqrt(dipole E/I); fast oscillating field: dipole E/(sqrt(2) I W)"
-      allocate (info%keys, source=[ &
+      row%info%check = "libration sqrt(dipole E/I); fast oscillating field: dipole E/(sqrt(2) I W)"
+      allocate (row%info%keys, source=[ &
                   number_key("dipole", 3, 3, "required", "dipole moment", "dipole, body frame", &
                   body_vector), &
                   number_key("strength", 3, 3, "required", "energy per dipole moment", &
@@ -53,7 +56,8 @@ contains
                   number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
                   number_key("axis", 3, 3, "0,0,1", "direction", &
                   "axis of a rotating field, in space; normalised")])
-   end function describe_field
+      row%make => make_field
+   end function field_row
 
    !> A field from checked settings.
    subroutine make_field(info, settings, made, error)

@@ -6,11 +6,14 @@ module poinsot_effect_gravity
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: add_linear_torque, add_linear_energy, add_linear_derivative
    use poinsot_effect_terms, only: torque_terms, linear_term, space_direction, cross_matrix
+   use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, &
       get_value, get_direction, body_vector
    implicit none(type, external)
    private
-   public :: gravity, describe_gravity, make_gravity
+   public :: gravity, gravity_label, gravity_row
+
+   type(effect_label), parameter :: gravity_label = effect_label("gravity", 1)
 
    !> U = weight (Q^T up) . centre
    type, extends(torque_effect) :: gravity
@@ -26,19 +29,20 @@ module poinsot_effect_gravity
 
 contains
 
-   !> The registry row.
-   pure function describe_gravity() result(info)
-      type(effect_info) :: info
-      info%name = "gravity"
-      info%formula = "U = weight (Q^T up).centre;  torque = weight (Q^T up) x centre"
-      info%check = "Lagrange top: steady precession, y3, L_z, H kept; sleeping top; &
+   !> What the registry knows of it.
+   function gravity_row() result(row)
+      type(effect_row) :: row
+      row%info%name = gravity_label%name
+      row%info%formula = "U = weight (Q^T up).centre;  torque = weight (Q^T up) x centre"
+      row%info%check = "Lagrange top: steady precession, y3, L_z, H kept; sleeping top; &
                    &Kovalevskaya integral"
-      allocate (info%keys, source=[ &
+      allocate (row%info%keys, source=[ &
                   number_key("centre", 3, 3, "required", "length", &
                   "centre of mass from the fixed point, body frame", body_vector), &
                   number_key("weight", 1, 1, "1", "force", "mass times acceleration of gravity"), &
                   number_key("up", 3, 3, "0,0,1", "direction", "upwards, in space; normalised")])
-   end function describe_gravity
+      row%make => make_gravity
+   end function gravity_row
 
    !> Gravity from checked settings.
    subroutine make_gravity(info, settings, made, error)

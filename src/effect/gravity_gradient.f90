@@ -7,11 +7,14 @@ module poinsot_effect_gravity_gradient
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: turned, to_body
    use poinsot_effect_terms, only: torque_terms, quadratic_term, space_direction
+   use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_value, &
       get_text, get_direction
    implicit none(type, external)
    private
-   public :: gravity_gradient, describe_gravity_gradient, make_gravity_gradient
+   public :: gravity_gradient, gravity_gradient_label, gravity_gradient_row
+
+   type(effect_label), parameter :: gravity_gradient_label = effect_label("gravity_gradient", 3)
 
    !> U = (kappa/2) n.Jn, n = Q^T rhat(t), kappa = 3 rate^2 = 3 G M/R^3
    type, extends(torque_effect) :: gravity_gradient
@@ -31,14 +34,14 @@ module poinsot_effect_gravity_gradient
 
 contains
 
-   !> The registry row.
-   pure function describe_gravity_gradient() result(info)
-      type(effect_info) :: info
-      info%name = "gravity_gradient"
-      info%formula = "U = (3/2) rate^2 n.I n;  torque = 3 rate^2 n x I n;  &
+   !> What the registry knows of it.
+   function gravity_gradient_row() result(row)
+      type(effect_row) :: row
+      row%info%name = gravity_gradient_label%name
+      row%info%formula = "U = (3/2) rate^2 n.I n;  torque = 3 rate^2 n x I n;  &
                      &n = Q^T radial, rate^2 = GM/R^3"
-      info%check = "pitch libration rate sqrt(3 (I_roll - I_yaw)/I_pitch)"
-      allocate (info%keys, source=[ &
+      row%info%check = "pitch libration rate sqrt(3 (I_roll - I_yaw)/I_pitch)"
+      allocate (row%info%keys, source=[ &
                   number_key("rate", 1, 1, "required", "radians per time", &
                   "mean motion sqrt(GM/R^3)"), &
                   number_key("radial", 3, 3, "1,0,0", "direction", &
@@ -47,7 +50,8 @@ contains
                   "normal of the orbit, in space, across radial"), &
                   text_key("orbit", "circular", "circular fixed", &
                   "does the radial direction turn with the orbit?")])
-   end function describe_gravity_gradient
+      row%make => make_gravity_gradient
+   end function gravity_gradient_row
 
    !> A gravity gradient from checked settings.
    subroutine make_gravity_gradient(info, settings, made, error)

@@ -8,12 +8,15 @@ module poinsot_effect_gyrostat
    use poinsot_core_error, only: poinsot_error
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect
+   use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, &
       body_vector
    implicit none(type, external)
    private
-   public :: gyrostat, describe_gyrostat, make_gyrostat, turn_increment, turn_is_too_long, &
+   public :: gyrostat, gyrostat_label, gyrostat_row, turn_increment, turn_is_too_long, &
       add_kinetic
+
+   type(effect_label), parameter :: gyrostat_label = effect_label("gyrostat", 8)
 
    !> Body with an internal rotor. A class carries the sum of its rotors (body_class%rotor).
    type, extends(effect) :: gyrostat
@@ -26,16 +29,17 @@ module poinsot_effect_gyrostat
 
 contains
 
-   !> The registry row.
-   pure function describe_gyrostat() result(info)
-      type(effect_info) :: info
-      info%name = "gyrostat"
-      info%formula = "T = (y - rotor).I^-1 (y - rotor)/2: changes the drift"
-      info%check = "|y| and T kept; a rotor steadies the spin about the middle axis"
-      allocate (info%keys, source=[number_key("rotor", 3, 3, "required", "angular momentum", &
+   !> What the registry knows of it.
+   function gyrostat_row() result(row)
+      type(effect_row) :: row
+      row%info%name = gyrostat_label%name
+      row%info%formula = "T = (y - rotor).I^-1 (y - rotor)/2: changes the drift"
+      row%info%check = "|y| and T kept; a rotor steadies the spin about the middle axis"
+      allocate (row%info%keys, source=[number_key("rotor", 3, 3, "required", "angular momentum", &
                               "angular momentum of the internal rotor, body frame", &
                               body_vector)])
-   end function describe_gyrostat
+      row%make => make_gyrostat
+   end function gyrostat_row
 
    !> A gyrostat from checked settings.
    subroutine make_gyrostat(info, settings, made, error)

@@ -9,10 +9,13 @@ module poinsot_effect_langevin
    use poinsot_effect_friction, only: get_friction, full_flow, apply_flow, &
       apply_full_each, decay_rate, lost
    use poinsot_effect_gaussian, only: gaussian_block
+   use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, per_axis
    implicit none(type, external)
    private
-   public :: langevin, describe_langevin, make_langevin
+   public :: langevin, langevin_label, langevin_row
+
+   type(effect_label), parameter :: langevin_label = effect_label("langevin", 7)
 
    !> dy_i = -friction_i y_i/I_i dt + sqrt(2 kT friction_i) dW
    type, extends(flow_effect) :: langevin
@@ -26,20 +29,21 @@ module poinsot_effect_langevin
 
 contains
 
-   !> The registry row.
-   pure function describe_langevin() result(info)
-      type(effect_info) :: info
-      info%name = "langevin"
-      info%formula = "y_i -> c y_i + sqrt(kT I_i (1 - c^2)) xi,  c = exp(-friction_i h/I_i)"
-      info%check = "<y_i^2/(2 I_i)> = kT/2 on each axis, every kind of body"
-      info%order = 2
-      info%gradient = .false.
-      allocate (info%keys, source=[ &
+   !> What the registry knows of it.
+   function langevin_row() result(row)
+      type(effect_row) :: row
+      row%info%name = langevin_label%name
+      row%info%formula = "y_i -> c y_i + sqrt(kT I_i (1 - c^2)) xi,  c = exp(-friction_i h/I_i)"
+      row%info%check = "<y_i^2/(2 I_i)> = kT/2 on each axis, every kind of body"
+      row%info%order = 2
+      row%info%gradient = .false.
+      allocate (row%info%keys, source=[ &
                   number_key("friction", 1, 3, "required", "torque per angular velocity", &
                              "friction, the same for all axes or per body axis", per_axis), &
                   number_key("temperature", 1, 1, "required", "energy", &
                   "k T, Boltzmann's constant included")])
-   end function describe_langevin
+      row%make => make_langevin
+   end function langevin_row
 
    !> A thermostat from checked settings.
    subroutine make_langevin(info, settings, made, error)

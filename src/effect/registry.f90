@@ -1,92 +1,122 @@
-!> All effects by name: one row each, with its description and its constructor.
+!> All effects: descriptions that their own files bring, found by name.
 !>
-!> A new effect is one file, one row in `effect_row` with its name in `effect_names`, one test.
+!> A new effect is one file, and its label and its row in the two lists here, anywhere in them.
+!> People see effects in the order of the labels, programs by number.
 module poinsot_effect_registry
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, name_length
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
    use poinsot_effect_effect, only: effect
+   use poinsot_effect_row, only: effect_label, effect_row, row_source
    use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, &
       check_keys, get_value
-   use poinsot_effect_gravity, only: describe_gravity, make_gravity
-   use poinsot_effect_field, only: describe_field, make_field
-   use poinsot_effect_gravity_gradient, only: describe_gravity_gradient, make_gravity_gradient
-   use poinsot_effect_spring, only: describe_spring, make_spring
-   use poinsot_effect_torque, only: describe_torque, make_torque
-   use poinsot_effect_drag, only: describe_drag, make_drag
-   use poinsot_effect_langevin, only: describe_langevin, make_langevin
-   use poinsot_effect_gyrostat, only: describe_gyrostat, make_gyrostat
-   use poinsot_effect_dipoles, only: describe_dipoles, make_dipoles
-   use poinsot_effect_callback, only: describe_callback
+   use poinsot_effect_gravity, only: gravity_label, gravity_row
+   use poinsot_effect_field, only: field_label, field_row
+   use poinsot_effect_gravity_gradient, only: gravity_gradient_label, gravity_gradient_row
+   use poinsot_effect_spring, only: spring_label, spring_row
+   use poinsot_effect_torque, only: torque_label, torque_row
+   use poinsot_effect_drag, only: drag_label, drag_row
+   use poinsot_effect_langevin, only: langevin_label, langevin_row
+   use poinsot_effect_gyrostat, only: gyrostat_label, gyrostat_row
+   use poinsot_effect_dipoles, only: dipoles_label, dipoles_row
+   use poinsot_effect_callback, only: callback_label, callback_row
    implicit none(type, external)
    private
    public :: effect_count, effect_names, describe_effect, effect_name, effect_number, make_effect, &
       remake_effect
+   public :: numbered_effects, numbered_effect_count, numbered_effect
 
-   !> Names of the rows, in their order.
-   character(18), parameter :: effect_names(*) = [character(18) :: &
-      "gravity", "field", "gravity_gradient", "spring", "torque", "drag", "langevin", "gyrostat", &
-      "dipoles", "callback"]
-   integer, parameter :: effect_count = size(effect_names)
+   type(effect_label), parameter :: labels(*) = [ &
+      gravity_label, &
+      field_label, &
+      gravity_gradient_label, &
+      spring_label, &
+      torque_label, &
+      drag_label, &
+      langevin_label, &
+      gyrostat_label, &
+      dipoles_label, &
+      callback_label]
 
-   abstract interface
-      subroutine constructor(info, settings, made, error)
-         import :: effect, effect_info, setting, poinsot_error
-         implicit none(type, external)
-         type(effect_info), intent(in) :: info
-         type(setting), intent(in) :: settings(:)
-         class(effect), allocatable, intent(out) :: made
-         type(poinsot_error), intent(inout) :: error
-      end subroutine constructor
-   end interface
+   integer :: k !! of the tables only
+   integer, parameter :: effect_count = size(labels)
+   !> Names in the order of the labels.
+   character(name_length), parameter :: effect_names(*) = labels%name
+   !> Names by public number; "" where a number is not given.
+   character(name_length), parameter :: numbered_effects(*) = &
+      [(merge(labels(max(1, findloc(labels%number, k, dim=1)))%name, repeat(" ", name_length), &
+              any(labels%number == k)), k=1, maxval(labels%number))]
 
 contains
 
-   !> One row: description and constructor (null: not made from settings).
-   subroutine effect_row(i, info, make)
-      integer, intent(in) :: i
-      type(effect_info), intent(out) :: info
-      procedure(constructor), pointer, intent(out) :: make
-      make => null()
-      select case (i)
-      case (1); info = describe_gravity(); make => make_gravity
-      case (2); info = describe_field(); make => make_field
-      case (3); info = describe_gravity_gradient(); make => make_gravity_gradient
-      case (4); info = describe_spring(); make => make_spring
-      case (5); info = describe_torque(); make => make_torque
-      case (6); info = describe_drag(); make => make_drag
-      case (7); info = describe_langevin(); make => make_langevin
-      case (8); info = describe_gyrostat(); make => make_gyrostat
-      case (9); info = describe_dipoles(); make => make_dipoles
-      case (10); info = describe_callback()
-      case default; allocate (info%keys(0))
-      end select
-   end subroutine effect_row
+   !> The rows, in any order.
+   subroutine list_rows(sources)
+      type(row_source), allocatable, intent(out) :: sources(:)
+      sources = [ &
+         row_source(gravity_row), &
+         row_source(field_row), &
+         row_source(gravity_gradient_row), &
+         row_source(spring_row), &
+         row_source(torque_row), &
+         row_source(drag_row), &
+         row_source(langevin_row), &
+         row_source(gyrostat_row), &
+         row_source(dipoles_row), &
+         row_source(callback_row)]
+   end subroutine list_rows
+
+   !> The row of a name; without keys if there is none.
+   subroutine find_row(name, row)
+      character(*), intent(in) :: name
+      type(effect_row), intent(out) :: row
+      type(row_source), allocatable :: sources(:)
+      integer :: i
+      call list_rows(sources)
+      do i = 1, size(sources)
+         row = sources(i)%row()
+         if (row%info%name == name) return
+      end do
+      row = effect_row()
+      allocate (row%info%keys(0))
+   end subroutine find_row
 
    !> What the registry knows of effect i, 1 to effect_count; every effect also has the key `class`.
    function describe_effect(i) result(info)
       integer, intent(in) :: i !! 1 to effect_count
       type(effect_info) :: info
-      procedure(constructor), pointer :: make
-      call effect_row(i, info, make)
-      if (associated(make)) info%keys = [info%keys, class_key()]
+      type(effect_row) :: row
+      call find_row(effect_name(i), row)
+      info = row%info
+      if (associated(row%make)) info%keys = [info%keys, class_key()]
    end function describe_effect
 
-   !> Name of effect i; "" outside 1 to effect_count.
-   function effect_name(i) result(name)
+   !> Name of effect i, as people see them listed; "" outside 1 to effect_count.
+   pure function effect_name(i) result(name)
       integer, intent(in) :: i !! 1 to effect_count
       character(:), allocatable :: name
-      type(effect_info) :: info
-      info = describe_effect(i)
-      name = trim(info%name)
+      name = ""
+      if (i >= 1 .and. i <= effect_count) name = trim(effect_names(i))
    end function effect_name
 
-   !> Number of an effect; 0 for an unknown name.
-   integer function effect_number(name) result(i)
+   !> The highest public number of an effect.
+   pure integer function numbered_effect_count()
+      numbered_effect_count = size(numbered_effects)
+   end function numbered_effect_count
+
+   !> Name of the effect of public number i, from 1; "" for a number that none has.
+   pure function numbered_effect(i) result(name)
+      integer, intent(in) :: i
+      character(:), allocatable :: name
+      name = ""
+      if (i >= 1 .and. i <= size(numbered_effects)) name = trim(numbered_effects(i))
+   end function numbered_effect
+
+   !> Which of the effects, as people see them listed, has this name; 0 for an unknown one.
+   pure integer function effect_number(name) result(i)
       character(*), intent(in) :: name !! of an effect
       do i = 1, effect_count
-         if (effect_name(i) == name) return
+         if (effect_names(i) == name) return
       end do
       i = 0
    end function effect_number
@@ -100,26 +130,21 @@ contains
       class(effect), allocatable, intent(out) :: made     !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(effect_info) :: info
-      procedure(constructor), pointer :: make
-      integer :: i
+      type(effect_row) :: row
       real(dp) :: class_number
-      character(len(info%name)) :: names(effect_count)
-      i = effect_number(name)
-      if (i == 0) then
-         do i = 1, effect_count
-            names(i) = effect_name(i)
-         end do
+      if (effect_number(name) == 0) then
          call raise(error, poinsot_e_method, "unknown effect '" // trim(name) // "'" // &
-                    suggestion(name, names))
+                    suggestion(name, effect_names))
          return
       end if
-      call effect_row(i, info, make)
-      if (.not. associated(make)) then
+      call find_row(name, row)
+      if (.not. associated(row%make)) then
          call raise(error, poinsot_e_domain, &
                     "effect '" // trim(name) // "' is a program's own torque: extend " // &
                     "user_torque or user_potential (Fortran) or pass a callback (C)")
          return
       end if
+      info = row%info
       info%keys = [info%keys, class_key()]
       call check_keys(info, settings, error)
       if (raised(error)) return
@@ -139,10 +164,9 @@ contains
       type(setting), intent(in) :: settings(:)
       class(effect), allocatable, intent(out) :: made     !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
-      procedure(constructor), pointer :: make
-      type(effect_info) :: row
-      call effect_row(effect_number(trim(info%name)), row, make)
-      call make(info, settings, made, error)
+      type(effect_row) :: row
+      call find_row(trim(info%name), row)
+      call row%make(info, settings, made, error)
       if (raised(error)) then
          if (allocated(made)) deallocate (made)
          return

@@ -3,7 +3,7 @@
 !> that could disagree.
 module poinsot_effect_settings
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, name_length
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_size
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
@@ -46,7 +46,7 @@ module poinsot_effect_settings
 
    !> One effect as the registry shows it.
    type :: effect_info
-      character(18) :: name = ""
+      character(name_length) :: name = ""
       character(128) :: formula = ""
       character(120) :: check = ""       !! the analytic result it is tested against
       integer :: order = 0               !! highest order a splitting reaches with it; 0 = no limit

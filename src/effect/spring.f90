@@ -6,11 +6,14 @@ module poinsot_effect_spring
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
    use poinsot_effect_terms, only: torque_terms, quadratic_term, space_direction
+   use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, &
       get_direction, body_vector
    implicit none(type, external)
    private
-   public :: spring, describe_spring, make_spring
+   public :: spring, spring_label, spring_row
+
+   type(effect_label), parameter :: spring_label = effect_label("spring", 4)
 
    !> U = -(stiffness/2) (axis . Q^T direction)^2
    type, extends(torque_effect) :: spring
@@ -27,20 +30,21 @@ module poinsot_effect_spring
 
 contains
 
-   !> The registry row.
-   pure function describe_spring() result(info)
-      type(effect_info) :: info
-      info%name = "spring"
-      info%formula = "U = -(k/2) (axis.gamma)^2;  torque = k (axis.gamma) axis x gamma;  &
+   !> What the registry knows of it.
+   function spring_row() result(row)
+      type(effect_row) :: row
+      row%info%name = spring_label%name
+      row%info%formula = "U = -(k/2) (axis.gamma)^2;  torque = k (axis.gamma) axis x gamma;  &
                      &k = stiffness, gamma = Q^T direction"
-      info%check = "libration sqrt(stiffness/I)"
-      allocate (info%keys, source=[ &
+      row%info%check = "libration sqrt(stiffness/I)"
+      allocate (row%info%keys, source=[ &
                   number_key("stiffness", 1, 1, "required", "energy", "strength of the spring"), &
                   number_key("axis", 3, 3, "0,0,1", "direction", &
                   "the axis it aligns, body frame; normalised", body_vector), &
                   number_key("direction", 3, 3, "0,0,1", "direction", &
                   "what it aligns it with, in space; normalised")])
-   end function describe_spring
+      row%make => make_spring
+   end function spring_row
 
    !> A spring from checked settings.
    subroutine make_spring(info, settings, made, error)

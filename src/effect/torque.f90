@@ -7,11 +7,14 @@ module poinsot_effect_torque
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
    use poinsot_effect_terms, only: torque_terms, linear_term, body_term, table_term, space_direction
+   use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
       get_value, get_text, was_given, body_vector
    implicit none(type, external)
    private
-   public :: torque, describe_torque, make_torque
+   public :: torque, torque_label, torque_row
+
+   type(effect_label), parameter :: torque_label = effect_label("torque", 5)
 
    !> A torque without potential: it adds no energy of its own.
    type, extends(torque_effect) :: torque
@@ -32,14 +35,15 @@ module poinsot_effect_torque
 
 contains
 
-   !> The registry row.
-   pure function describe_torque() result(info)
-      type(effect_info) :: info
-      info%name = "torque"
-      info%formula = "torque = value, value cos(W t + phase), or a table, linear between times; &
+   !> What the registry knows of it.
+   function torque_row() result(row)
+      type(effect_row) :: row
+      row%info%name = torque_label%name
+      row%info%formula = "torque = value, value cos(W t + phase), or a table, linear between &
+                   &times; &
                      &in space: Q^T of it"
-      info%check = "in space: angular momentum L = L0 + integral of the torque"
-      allocate (info%keys, source=[ &
+      row%info%check = "in space: angular momentum L = L0 + integral of the torque"
+      allocate (row%info%keys, source=[ &
                   number_key("value", 3, 3, "0,0,0", "torque", "the torque, or its amplitude", &
                   body_vector, "frame"), &
                   text_key("frame", "body", "body space", "the frame of value"), &
@@ -51,7 +55,8 @@ contains
                   number_key("table", 3, -1, "", "torque", "three numbers for each time", &
                   body_vector, "frame"), &
                   text_key("file", "", "", "scene only: file with lines of t, three torques")])
-   end function describe_torque
+      row%make => make_torque
+   end function torque_row
 
    !> A torque from checked settings.
    subroutine make_torque(info, settings, made, error)

@@ -206,6 +206,8 @@ contains
          method%increment => symmetric_rotation_increment
       case ("rattle")
          method%increment => rattle_increment
+      case default ! a row without a kernel: the plan takes it for no method
+         nullify (method%increment)
       end select
    end subroutine attach
 
