@@ -163,7 +163,7 @@ contains
       do i = 1, size(rows)
          if (method_names(i) /= wanted) cycle
          call take_row(i, method)
-         return
+         if (associated(method%increment)) return
       end do
       list = ""
       do i = 1, size(rows)
@@ -206,7 +206,7 @@ contains
          method%increment => symmetric_rotation_increment
       case ("rattle")
          method%increment => rattle_increment
-      case default ! a row without a kernel: the plan takes it for no method
+      case default ! a row whose kernel is not here is no method
          nullify (method%increment)
       end select
    end subroutine attach
