@@ -384,7 +384,8 @@ poinsot_status poinsot_degrees_of_freedom(const poinsot_plan *plan, const poinso
 
 /* status = POINSOT_OK, or POINSOT_E_CPU; version as poinsot_version. */
 void poinsot_version_f_(int *version, int *status);
-/* As poinsot_rotate, with the moments of the one kind of body. */
+/* As poinsot_rotate, with the moments of the one kind of body. Methods 1 and 2 (exact, jacobi) make no body of them: the result is
+ * that of poinsot_rotate to rounding. */
 void poinsot_rotate_f_(const double moments[3], const int *method, const double *h, const int *steps, const int *n,
                        double y[], double q[], int each[], int *status);
 /* As poinsot_splitting_flows, of splitting number `splitting`. */

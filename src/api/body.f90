@@ -2,13 +2,17 @@
 !> and cpu_check.c.
 module poinsot_api_body
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
-      c_null_ptr, c_ptr, c_size_t
+      c_null_ptr, c_ptr, c_ptrdiff_t, c_size_t
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_api_text, only: from_c
-   use poinsot_body_class, only: body_class, make_class
+   use poinsot_body_class, only: body_class, make_class, needs_more
    use poinsot_body_inertia, only: principal_axes
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_null, poinsot_e_size
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_memory, poinsot_e_null, &
+      poinsot_e_partial, poinsot_e_size
    use poinsot_ensemble_bodies, only: body_view, most_bodies, view_rows
+   use poinsot_ensemble_direct, only: one_chunk, without_inertia, rotate_direct, &
+      rotate_by_moments
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_free_method, only: free_method, find_method
    implicit none(type, external)
@@ -102,8 +106,9 @@ contains
       type(body_class), pointer :: class
       type(free_method) :: chosen
       type(poinsot_error) :: error
-      type(body_view) :: view
       real(c_double), pointer :: yy(:, :), qq(:, :)
+      real(c_double) :: no_y(3, 0), no_q(4, 0)
+      integer(c_int), pointer :: each(:)
       character(:), allocatable :: name
 
       status = poinsot_e_null
@@ -116,14 +121,79 @@ contains
       if (raised(error)) return
       status = poinsot_e_size
       if (n < 0 .or. n > most_bodies .or. steps < 0 .or. steps > huge(0)) return
-      if (n > 0) then
-         call c_f_pointer(y, yy, [3_c_size_t, n])
-         call c_f_pointer(q, qq, [4_c_size_t, n])
-         call view_rows(yy, qq, view)
-         if (c_associated(per_body)) call c_f_pointer(per_body, view%status, [n])
-      end if
       call c_f_pointer(body, class)
-      call rotate_bodies(class, chosen, h, int(steps), view, 0, status, error)
+      if (n == 0) then
+         call rotate_rows(class, chosen, h, int(steps), 0, no_y, no_q, status)
+         return
+      end if
+      call c_f_pointer(y, yy, [3_c_size_t, n])
+      call c_f_pointer(q, qq, [4_c_size_t, n])
+      nullify (each)
+      if (c_associated(per_body)) call c_f_pointer(per_body, each, [n])
+      call rotate_rows(class, chosen, h, int(steps), int(n), yy, qq, status, each)
    end function rotate
+
+   !> The same of arrays: few bodies by the short way.
+   subroutine rotate_rows(class, method, h, steps, n, y, q, status, each)
+      type(body_class), intent(in) :: class
+      type(free_method), intent(in) :: method
+      real(c_double), intent(in) :: h
+      integer, intent(in) :: steps, n
+      real(c_double), intent(inout), target :: y(3, n), q(4, n)
+      integer(c_int), intent(out) :: status
+      integer(c_int), intent(inout), target, optional :: each(n)
+      type(body_view) :: view
+      type(poinsot_error) :: error
+      logical :: failed
+      if (n > 0 .and. n <= one_chunk .and. class%sorted(1) > 0 .and. ieee_is_finite(h) .and. &
+          .not. needs_more(class, method%terms)) then
+         call rotate_direct(class, method, h, steps, n, y(1, 1), y(2, 1), y(3, 1), &
+                            3_c_ptrdiff_t, q(1, 1), q(2, 1), q(3, 1), q(4, 1), 4_c_ptrdiff_t, &
+                            failed, each)
+         status = merge(poinsot_e_partial, poinsot_ok, failed)
+         return
+      end if
+      call view_rows(y, q, view)
+      if (present(each)) view%status => each
+      call rotate_bodies(class, method, h, steps, view, 0, status, error)
+   end subroutine rotate_rows
+
+   !> Bodies of one kind by their moments, for fixed form: constants for each lane, no class.
+   integer(c_int) function rotate_moments(moments, by_jacobi, h, steps, n, y, q, per_body) &
+      bind(c, name="poinsot_do_rotate_moments") result(status)
+      type(c_ptr), value :: moments          !! const double[3]
+      integer(c_int), value :: by_jacobi     !! method "jacobi", not "exact"
+      real(c_double), value :: h
+      integer(c_size_t), value :: steps, n
+      type(c_ptr), value :: y, q             !! double[n][3], double[n][4]
+      type(c_ptr), value :: per_body         !! poinsot_status[n], may be NULL
+      real(c_double), pointer :: m(:), yy(:, :), qq(:, :)
+      real(c_double), target :: no_y(3, 0), no_q(4, 0)
+      integer(c_int), pointer :: each(:)
+      type(body_class) :: class
+      type(free_method) :: chosen
+      type(poinsot_error) :: error
+      logical :: failed
+      status = poinsot_e_null
+      if (.not. c_associated(moments)) return
+      if (n > 0 .and. .not. (c_associated(y) .and. c_associated(q))) return
+      status = poinsot_e_size
+      if (n < 0 .or. n > most_bodies .or. steps < 0 .or. steps > huge(0)) return
+      status = poinsot_e_domain
+      if (.not. ieee_is_finite(h)) return
+      call c_f_pointer(moments, m, [3])
+      yy => no_y
+      qq => no_q
+      nullify (each)
+      if (n > 0) call c_f_pointer(y, yy, [3_c_size_t, n])
+      if (n > 0) call c_f_pointer(q, qq, [4_c_size_t, n])
+      if (c_associated(per_body) .and. n > 0) call c_f_pointer(per_body, each, [n])
+      call rotate_by_moments(m, by_jacobi /= 0, h, int(steps), int(n), yy, qq, failed, status, each)
+      if (status == poinsot_ok .and. failed) status = poinsot_e_partial
+      if (status /= without_inertia) return
+      call make_class(m, class, error)
+      call find_method(trim(merge("jacobi", "exact ", by_jacobi /= 0)), chosen, error)
+      call rotate_rows(class, chosen, h, int(steps), int(n), yy, qq, status, each)
+   end function rotate_moments
 
 end module poinsot_api_body

@@ -104,6 +104,14 @@ STATUS(rotate, (const poinsot_body *body, const char *method, double h, size_t s
                 poinsot_status per_body[]),
        (body, method, h, steps, n, y, q, per_body))
 
+/* For legacy.c: poinsot_rotate_f_ makes no body; rows are as wide as the plan's momentum. */
+#pragma GCC visibility push(hidden)
+STATUS(rotate_moments, (const double moments[3], int by_jacobi, double h, size_t steps, size_t n, double y[], double q[],
+                        poinsot_status per_body[]),
+       (moments, by_jacobi, h, steps, n, y, q, per_body))
+CHECKED(int, plan_components, (const poinsot_plan *plan), (plan), (void)0, 3)
+#pragma GCC visibility pop
+
 STATUS_AFTER(NO_TEXT, moments_check, (const double moments[3], char *buffer, size_t capacity), (moments, buffer, capacity))
 STATUS_AFTER(NO_TEXT, inertia_check, (const double inertia[9], char *buffer, size_t capacity), (inertia, buffer, capacity))
 STATUS(inertia_of_points, (size_t n, const double mass[], const double x[], double centre[3], double tensor[9]),

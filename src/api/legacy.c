@@ -31,10 +31,22 @@ void poinsot_version_f_(int *version, int *status) {
   *status = poinsot_bodies_check(NULL, NULL, none, 1) == POINSOT_E_CPU ? POINSOT_E_CPU : POINSOT_OK;
 }
 
+/* Constants for each lane are cheaper than a body: `exact` and `jacobi` take them, whatever the number of bodies. */
+__attribute__((visibility("hidden"))) poinsot_status poinsot_rotate_moments(const double moments[3], int by_jacobi, double h,
+                                                                            size_t steps, size_t n, double y[], double q[],
+                                                                            poinsot_status per_body[]);
+
 void poinsot_rotate_f_(const double moments[3], const int *method, const double *h, const int *steps, const int *n,
                        double y[], double q[], int each[], int *status) {
+  enum { exact = 1, jacobi };
   poinsot_body *body;
-  const char *name = method_of(*method);
+  const char *name;
+  if (*method == exact || *method == jacobi) {
+    *status = *steps < 0 ? POINSOT_E_SIZE
+                         : poinsot_rotate_moments(moments, *method == jacobi, *h, (size_t)*steps, count_of(n), y, q, each);
+    return;
+  }
+  name = method_of(*method);
   *status = poinsot_body_create(moments, &body);
   if (*status) return;
   *status = !name        ? POINSOT_E_METHOD
@@ -169,20 +181,25 @@ static const int *classes(const int64_t *plan, const int *n, const int body_clas
   return NULL;
 }
 
-/* A view of rows; classes count from 1. How many components the momentum has only the plan knows: a view with too few is
- * refused by it, and then the rows are four wide. */
+__attribute__((visibility("hidden"))) int poinsot_plan_components(const poinsot_plan *plan);
+
+/* A view of rows; classes count from 1. */
 static poinsot_status rows(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], int each[],
                            poinsot_bodies *view) {
-  poinsot_status status = poinsot_bodies_rows(view, "native", NULL, count_of(n), y, q);
-  if (status) return status;
+  int j;
+  memset(view, 0, sizeof *view);
+  view->size = sizeof *view;
+  if (*n < 0) return POINSOT_E_SIZE;
+  if (*n > 0 && !(y && q)) return POINSOT_E_NULL;
+  view->n = (size_t)*n;
+  view->y_stride = poinsot_plan_components(plan_of(plan));
+  view->q_stride = 4;
+  for (j = 0; j < 3; j++) view->y[j] = y + j;
+  for (j = 0; j < 4; j++) view->q[j] = q + j;
+  if (view->y_stride == 4) view->y_fourth = y + 3;
   view->body_class = classes(plan, n, body_class);
   view->first_class = 1;
   view->status = each;
-  if (poinsot_bodies_check(plan_of(plan), view, NULL, 0) == POINSOT_E_SIZE && *n > 0) {
-    view->y_stride = 4;
-    view->y_fourth = y + 3;
-    for (int j = 0; j < 3; j++) view->y[j] = y + j;
-  }
   return POINSOT_OK;
 }
 

@@ -16,6 +16,7 @@ module poinsot_api_plan
       set_option, &
       add_effect
    use poinsot_ensemble_check, only: check_ready
+   use poinsot_ensemble_layout, only: conjugate_momentum
    implicit none(type, external)
    private
    public :: plan_handle, open_plan
@@ -224,6 +225,17 @@ contains
       call make_ready(p%plan, error)
       status = answer(p, error)
    end function plan_ready
+
+   !> How many components the momentum has, for fixed form: 3, or 4 if it is conjugate.
+   integer(c_int) function plan_components(plan) bind(c, name="poinsot_do_plan_components") &
+      result(components)
+      type(c_ptr), value :: plan             !! const poinsot_plan *
+      type(plan_handle), pointer :: p
+      components = 3
+      call open_plan(plan, p)
+      if (.not. associated(p)) return
+      if (p%plan%momentum == conjugate_momentum) components = 4
+   end function plan_components
 
    !> Length of the message of the last change that failed, and as much of it as the buffer takes.
    integer(c_size_t) function plan_message(plan, buffer, capacity) &

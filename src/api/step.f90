@@ -2,14 +2,17 @@
 !> has. See include/poinsot.h and cpu_check.c.
 module poinsot_api_step
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_f_procpointer, &
-      c_funptr, c_int, c_int64_t, c_loc, c_null_ptr, c_ptr, c_ptrdiff_t, c_size_t
+      c_funptr, c_int, c_int64_t, c_loc, c_null_ptr, c_ptr, c_ptrdiff_t, c_size_t, c_sizeof
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_api_bodies, only: open_bodies
    use poinsot_api_plan, only: plan_handle, open_plan
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_kinds, only: dp
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_null
-   use poinsot_ensemble_bodies, only: body_view, column, open_column
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_null, poinsot_e_partial
+   use poinsot_ensemble_bodies, only: body_view, column, most_bodies, open_column, poinsot_bodies
    use poinsot_ensemble_check, only: check_ready
+   use poinsot_ensemble_direct, only: is_free, kick_direct, rotate_direct, &
+      takes_direct
    use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
@@ -41,6 +44,15 @@ module poinsot_api_step
       procedure :: evaluate => evaluate_c
    end type c_callback
 
+   !> The arrays of a view with nothing but y, q and status.
+   type :: plain_arrays
+      real(dp), pointer, contiguous, dimension(:) :: y1 => null(), y2 => null(), y3 => null(), &
+         q1 => null(), q2 => null(), q3 => null(), q4 => null()
+      integer(c_int), pointer, contiguous :: each(:) => null()
+   end type plain_arrays
+
+   integer, parameter :: one_drift = -1
+
 contains
 
    !> Plan and bodies of a call.
@@ -64,9 +76,119 @@ contains
       type(plan_handle), pointer :: p
       type(body_view) :: view
       type(poinsot_error) :: error
+      logical :: done
+      call drift_plain(plan, bodies, h, one_drift, done, status)
+      if (done) return
       call open_both(plan, bodies, p, view, status)
       if (status == poinsot_ok) call drift_bodies(p%plan, view, h, status, error)
    end function drift
+
+   !> The short way, if a plan and a view ask for no more: bodies of the first class, nothing but y,
+   !> q and status.
+   subroutine drift_plain(plan, bodies, h, steps, done, status)
+      type(c_ptr), intent(in) :: plan, bodies
+      real(c_double), intent(in) :: h
+      integer, intent(in) :: steps           !! of h, with nothing that acts; or one_drift
+      logical, intent(out) :: done           !! else it is for others
+      integer(c_int), intent(out) :: status
+      type(plan_handle), pointer :: p
+      type(poinsot_bodies), pointer :: b
+      type(plain_arrays) :: a
+      logical :: failed
+      call find_plain(plan, bodies, h, p, b, done)
+      status = poinsot_ok
+      if (done .and. steps /= one_drift) done = is_free(p%plan)
+      if (.not. done) return
+      call open_plain(b, a)
+      call rotate_direct(p%plan%classes(1)%it, p%plan%method, h, &
+                         merge(1, steps, steps == one_drift), int(b%n), a%y1, a%y2, a%y3, &
+                         b%y_stride, a%q1, a%q2, a%q3, a%q4, b%q_stride, failed, a%each)
+      if (failed) status = poinsot_e_partial
+   end subroutine drift_plain
+
+   !> The same for a kick by torques in the body frame.
+   subroutine kick_plain(plan, bodies, h, torque, stride, done, status)
+      type(c_ptr), intent(in) :: plan, bodies, torque
+      real(c_double), intent(in) :: h
+      integer(c_ptrdiff_t), intent(in) :: stride
+      logical, intent(out) :: done
+      integer(c_int), intent(out) :: status
+      type(plan_handle), pointer :: p
+      type(poinsot_bodies), pointer :: b
+      type(plain_arrays) :: a
+      type(c_ptr), pointer :: bases(:)
+      real(dp), pointer, contiguous :: g1(:), g2(:), g3(:)
+      integer(c_size_t) :: last(1)
+      logical :: failed
+      call find_plain(plan, bodies, h, p, b, done)
+      status = poinsot_ok
+      if (done) done = c_associated(torque) .and. .not. p%plan%space_torque .and. stride >= 1 &
+         .and. stride <= huge(0)
+      if (.not. done) return
+      call c_f_pointer(torque, bases, [3])
+      done = c_associated(bases(1)) .and. c_associated(bases(2)) .and. c_associated(bases(3))
+      if (.not. done) return
+      last = 1 + (b%n - 1)*stride
+      call c_f_pointer(bases(1), g1, last)
+      call c_f_pointer(bases(2), g2, last)
+      call c_f_pointer(bases(3), g3, last)
+      call open_plain(b, a)
+      call kick_direct(p%plan%classes(1)%it, h, int(b%n), g1, g2, g3, stride, a%y1, a%y2, a%y3, &
+                       b%y_stride, a%q1, a%q2, a%q3, a%q4, b%q_stride, failed, a%each)
+      if (failed) status = poinsot_e_partial
+   end subroutine kick_plain
+
+   !> Plan and bodies, if the short way will do.
+   subroutine find_plain(plan, bodies, h, p, b, plain)
+      type(c_ptr), intent(in) :: plan, bodies
+      real(c_double), intent(in) :: h
+      type(plan_handle), pointer, intent(out) :: p
+      type(poinsot_bodies), pointer, intent(out) :: b
+      logical, intent(out) :: plain
+      plain = .false.
+      call open_plan(plan, p)
+      if (.not. associated(p) .or. .not. c_associated(bodies)) return
+      call c_f_pointer(bodies, b)
+      if (.not. is_plain(b)) return
+      plain = takes_direct(p%plan, int(b%n)) .and. ieee_is_finite(h)
+   end subroutine find_plain
+
+   !> The arrays of a plain view.
+   subroutine open_plain(b, a)
+      type(poinsot_bodies), intent(in) :: b
+      type(plain_arrays), intent(inout) :: a
+      integer(c_size_t) :: last(1)
+      last = 1 + (b%n - 1)*b%y_stride
+      call c_f_pointer(b%y(1), a%y1, last)
+      call c_f_pointer(b%y(2), a%y2, last)
+      call c_f_pointer(b%y(3), a%y3, last)
+      last = 1 + (b%n - 1)*b%q_stride
+      call c_f_pointer(b%q(1), a%q1, last)
+      call c_f_pointer(b%q(2), a%q2, last)
+      call c_f_pointer(b%q(3), a%q3, last)
+      call c_f_pointer(b%q(4), a%q4, last)
+      nullify (a%each)
+      if (c_associated(b%status)) call c_f_pointer(b%status, a%each, [b%n])
+   end subroutine open_plain
+
+   !> Are there but y, q and status, as many and with such strides as can be?
+   logical function is_plain(b)
+      type(poinsot_bodies), intent(in) :: b
+      integer :: j
+      is_plain = .false.
+      if (b%size /= c_sizeof(b) .or. b%n < 1 .or. b%n > most_bodies) return
+      if (min(b%y_stride, b%q_stride) < 1 .or. max(b%y_stride, b%q_stride) > huge(0)) return
+      do j = 1, 3
+         if (.not. c_associated(b%y(j)) .or. c_associated(b%moments(j))) return
+      end do
+      do j = 1, 4
+         if (.not. c_associated(b%q(j))) return
+      end do
+      if (c_associated(b%body_class) .or. c_associated(b%carry) .or. c_associated(b%y_at) .or. &
+          c_associated(b%q_at) .or. c_associated(b%scale)) return
+      is_plain = b%class_stride >= 0 .and. b%class_stride <= huge(0) .and. &
+         (b%first_class == 0 .or. b%first_class == 1)
+   end function is_plain
 
    !> y += h torque
    integer(c_int) function kick(plan, bodies, h, torque, stride) bind(c, name="poinsot_do_kick") &
@@ -80,7 +202,10 @@ contains
       type(poinsot_error) :: error
       type(c_ptr), pointer :: bases(:)
       type(column) :: columns(3)
+      logical :: done
       integer :: j
+      call kick_plain(plan, bodies, h, torque, stride, done, status)
+      if (done) return
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
       status = poinsot_e_null
@@ -108,6 +233,12 @@ contains
       type(body_view) :: view
       type(poinsot_error) :: error
       type(c_callback) :: host
+      logical :: done
+      if (.not. c_associated(callback) .and. steps >= 0 .and. steps <= huge(0) .and. &
+          first <= huge(first) - max(steps, 0_c_int64_t) .and. ieee_is_finite(t)) then
+         call drift_plain(plan, bodies, h, int(steps), done, status)
+         if (done) return
+      end if
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
       if (c_associated(callback)) then

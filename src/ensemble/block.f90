@@ -20,8 +20,8 @@ module poinsot_ensemble_block
    use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
    private
-   public :: host_arrays, open_host, load_block, store_block, store_status, add_momentum, &
-      reject_values, reject_energies
+   public :: host_arrays, open_host, reject, load_block, store_block, store_status, add_momentum, &
+      reject_values, reject_torques, add_products, reject_energies
 
    !> The caller's arrays as one call sees them.
    type :: host_arrays
@@ -305,6 +305,56 @@ contains
          end do
       end do
    end subroutine reject_values
+
+   !> Torques that are not finite, or whose product with the step would leave the range of numbers:
+   !> their bodies fail, and get none.
+   pure subroutine reject_torques(nvec, h, torque, status)
+      integer, intent(in) :: nvec
+      real(dp), intent(in) :: h
+      real(dp), intent(inout) :: torque(lanes, 3)
+      integer, intent(inout) :: status(lanes)
+      integer(i8) :: strongest, most
+      integer :: l
+      strongest = magnitude(0.0625_dp*huge(h)/max(1.0_dp, abs(h)))
+      most = 0
+      !GCC$ ivdep
+      do l = 1, group*nvec
+         most = max(most, magnitude(torque(l, 1)), magnitude(torque(l, 2)), magnitude(torque(l, 3)))
+      end do
+      if (most <= strongest) return
+      do l = 1, group*nvec
+         if (maxval(magnitude(torque(l, :))) <= strongest) cycle
+         status(l) = merge(poinsot_e_not_finite, poinsot_e_domain, &
+            maxval(magnitude(torque(l, :))) >= exponent_bits)
+         torque(l, :) = 0
+      end do
+   end subroutine reject_torques
+
+   !> y += h g, the product rounded before it is added: as add_momentum has it. A sum that is not
+   !> finite fails its body.
+   pure subroutine add_products(nvec, h, g, y, status)
+      integer, intent(in) :: nvec
+      real(dp), intent(in) :: h
+      real(dp), intent(inout) :: g(lanes, 3)
+      real(dp), intent(inout) :: y(lanes, 3)
+      integer, intent(inout) :: status(lanes)
+      integer(i8) :: most
+      integer :: l
+      g(:group*nvec, :) = h*g(:group*nvec, :)
+      most = 0
+      !GCC$ ivdep
+      do l = 1, group*nvec
+         y(l, 1) = y(l, 1) + g(l, 1)
+         y(l, 2) = y(l, 2) + g(l, 2)
+         y(l, 3) = y(l, 3) + g(l, 3)
+         most = max(most, magnitude(y(l, 1)), magnitude(y(l, 2)), magnitude(y(l, 3)))
+      end do
+      if (most < exponent_bits) return
+      do l = 1, group*nvec
+         if (maxval(magnitude(y(l, :))) < exponent_bits) cycle
+         if (status(l) == poinsot_ok) status(l) = poinsot_e_domain
+      end do
+   end subroutine add_products
 
    !> An energy beyond the range of numbers is no energy: the body fails.
    pure subroutine reject_energies(kinetic, potential, b)

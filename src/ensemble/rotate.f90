@@ -13,6 +13,10 @@ module poinsot_ensemble_rotate
    private
    public :: rotate_job, rotate_bodies, check_step
 
+   !> Steps of bodies, 10 ns each, below which a team of threads may cost more than it brings: 20
+   !> ms, as on a busy machine it waits for a slice of the scheduler.
+   real(dp), parameter :: least_work = 2e6_dp
+
    !> `steps` steps of h by one method.
    type, extends(block_job) :: rotate_job
       type(free_method) :: method
@@ -37,6 +41,7 @@ contains
       type(poinsot_error), intent(inout) :: error   !! a step that is not finite
       type(rotate_job) :: job
       type(body_class), target :: longer
+      integer :: team
 
       call check_step(h, steps, error)
       status = error%code
@@ -50,7 +55,9 @@ contains
       job%method = method
       job%h = h
       job%steps = steps
-      status = for_each_block(view, threads, job)
+      team = threads
+      if (threads == 0 .and. real(view%n, dp)*steps < least_work) team = 1
+      status = for_each_block(view, team, job)
    end subroutine rotate_bodies
 
    !> A step (or a time) must be finite, a number of steps not negative.

@@ -6,7 +6,7 @@ module poinsot_ensemble_step
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, &
       poinsot_e_size
    use poinsot_effect_effect, only: flow_effect
-   use poinsot_ensemble_block, only: add_momentum, reject_values
+   use poinsot_ensemble_block, only: add_momentum, reject_torques
    use poinsot_ensemble_bodies, only: body_view, column
    use poinsot_ensemble_check, only: check_ready, check_moments, to_drift, to_kick, to_step
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
@@ -156,21 +156,6 @@ contains
       end do
    end subroutine check_direction
 
-   !> A torque whose product with the step would leave the range of numbers: the body fails.
-   pure subroutine reject_strong(h, b, torque)
-      real(dp), intent(in) :: h
-      type(block_flows), intent(inout) :: b
-      real(dp), intent(inout) :: torque(lanes, 3)
-      real(dp) :: strongest
-      integer :: l
-      strongest = 0.0625_dp*huge(h)/max(1.0_dp, abs(h))
-      do l = 1, b%n
-         if (maxval(abs(torque(l, :))) <= strongest) cycle
-         b%status(l) = poinsot_e_domain
-         torque(l, :) = 0
-      end do
-   end subroutine reject_strong
-
    subroutine run_drift(self, b)
       class(drift_job), intent(inout) :: self
       type(block_flows), intent(inout) :: b
@@ -189,8 +174,7 @@ contains
             dy(l, j) = self%torque(j)%of(b%at(l))
          end do
       end do
-      call reject_values(b, dy)
-      call reject_strong(self%h, b, dy)
+      call reject_torques(b%nvec, self%h, dy, b%status)
       if (self%same_frame .and. .not. b%compensated .and. .not. b%has_massless()) then
          call add_momentum(self%view, self%h*dy, b)
          return

@@ -373,6 +373,96 @@ static void bodies(void) {
   poinsot_plan_destroy(&four);
 }
 
+/* ---- the short way --------------------------------------------------------------------------------------------------- */
+
+/* What a view asks for decides the way it takes; the bits and the statuses are the same. */
+static void ways(void) {
+  enum { most = 70 };
+  static double y[2][most][3], q[2][most][4], g[most][3];
+  static int in_order[most];
+  const double thin[3] = {1, 1, 0}, *const torque[3] = {&g[0][0], &g[0][1], &g[0][2]};
+  poinsot_status each[2][most];
+  int n, k, way, i, j;
+  for (i = 0; i < most; i++) in_order[i] = i;
+  for (k = 0; k < 3; k++) {                        /* a body of three moments, one of two, and long steps */
+    poinsot_plan *plan = NULL;
+    CHECK(poinsot_plan_create(&plan) == POINSOT_OK && poinsot_plan_add_class(plan, k == 1 ? thin : moments, NULL) == POINSOT_OK &&
+          poinsot_plan_ready(plan) == POINSOT_OK);
+    for (n = 1; n <= most; n += n < 40 ? 1 : 6) {
+      poinsot_status status[2][4];
+      for (way = 0; way < 2; way++) {
+        poinsot_bodies view;
+        for (i = 0; i < n; i++) {
+          for (j = 0; j < 3; j++) y[way][i][j] = k == 1 && j == 2 ? 0 : (0.3 + 0.01 * i + 0.2 * j) * (i == 5 ? 40 : 1);
+          for (j = 0; j < 3; j++) g[i][j] = 0.7 * i - j;
+          for (j = 0; j < 4; j++) q[way][i][j] = i % 3 ? j == 1 : 0.5;
+        }
+        if (n > 9) q[way][7][1] = NAN;
+        if (n > 12) y[way][9][0] = 1e300;
+        if (n > 20) g[17][1] = NAN;
+        if (n > 22) g[18][1] = 1e308;
+        CHECK(poinsot_bodies_rows(&view, "native", NULL, (size_t)n, y[way][0], q[way][0]) == POINSOT_OK);
+        view.status = each[way];
+        if (way) view.y_at = in_order;             /* no more than the same said at length */
+        status[way][0] = poinsot_drift(plan, &view, k == 2 ? 3 : 0.1);
+        status[way][1] = poinsot_step(plan, &view, 0, 0.05, 4, 3, NULL, NULL);
+        status[way][2] = poinsot_drift(plan, &view, -0.2);
+        status[way][3] = poinsot_kick(plan, &view, 0.03, torque, 3);
+      }
+      CHECK(memcmp(status[0], status[1], sizeof status[0]) == 0);
+      CHECK(memcmp(each[0], each[1], (size_t)n * sizeof each[0][0]) == 0);
+      CHECK(memcmp(y[0], y[1], (size_t)n * sizeof y[0][0]) == 0 && memcmp(q[0], q[1], (size_t)n * sizeof q[0][0]) == 0);
+      CHECK(n < 24 || each[0][17] == POINSOT_E_NOT_FINITE);
+      CHECK(n < 24 || each[0][18] == POINSOT_E_DOMAIN);
+    }
+    poinsot_plan_destroy(&plan);
+  }
+  {                                                /* many bodies at once, or thirty at a time; by moments */
+    enum { many = 300 };
+    static double u[3][many][3], v[3][many][4];
+    static poinsot_status told[3][many];
+    const double line[3] = {0, 0.7, 0.7};
+    const int methods[2] = {1, 2};
+    int steps = 3, whole = many, status, m;
+    double h = 0.4;
+    for (m = 0; m < 2; m++)
+      for (k = 0; k < 2; k++) {
+        const double *const of = k ? line : moments;
+        poinsot_body *body;
+        for (way = 0; way < 3; way++)
+          for (i = 0; i < many; i++) {
+            for (j = 0; j < 3; j++) u[way][i][j] = k && j == 0 ? i == 40 : 0.2 + 0.003 * i - 0.1 * j;
+            for (j = 0; j < 4; j++) v[way][i][j] = i % 3 ? j == 2 : 0.5;
+            if (i == 77) v[way][i][0] = 7;
+          }
+        CHECK(poinsot_body_create(of, &body) == POINSOT_OK);
+        CHECK(poinsot_rotate(body, poinsot_method_name((size_t)m), h, 3, many, u[0][0], v[0][0], told[0]) == POINSOT_E_PARTIAL);
+        for (i = 0; i < many; i += 30)
+          (void)poinsot_rotate(body, poinsot_method_name((size_t)m), h, 3, 30, u[1][i], v[1][i], &told[1][i]);
+        poinsot_body_destroy(&body);
+        poinsot_rotate_f_(of, &methods[m], &h, &steps, &whole, u[2][0], v[2][0], told[2], &status);
+        CHECK(status == POINSOT_E_PARTIAL && told[0][77] == POINSOT_E_NOT_UNIT);
+        CHECK((told[0][40] == POINSOT_E_AXIS_MOMENTUM) == (k == 1));
+        CHECK(memcmp(u[0], u[1], sizeof u[0]) == 0 && memcmp(v[0], v[1], sizeof v[0]) == 0);
+        CHECK(memcmp(told[0], told[1], sizeof told[0]) == 0 && memcmp(told[0], told[2], sizeof told[0]) == 0);
+        for (i = 0; i < many; i++) {
+          for (j = 0; j < 3; j++) CHECK(fabs(u[0][i][j] - u[2][i][j]) < 4e-15);
+          for (j = 0; j < 4; j++) CHECK(fabs(v[0][i][j] - v[2][i][j]) < 4e-15);
+        }
+      }
+    poinsot_rotate_f_(moments, &methods[0], &h, &steps, &whole, NULL, v[2][0], told[2], &status);
+    CHECK(status == POINSOT_E_NULL);
+    poinsot_rotate_f_(NULL, &methods[0], &h, &steps, &whole, u[2][0], v[2][0], told[2], &status);
+    CHECK(status == POINSOT_E_NULL);
+    h = NAN;
+    poinsot_rotate_f_(moments, &methods[1], &h, &steps, &whole, u[2][0], v[2][0], told[2], &status);
+    CHECK(status == POINSOT_E_DOMAIN);
+    whole = -1;
+    poinsot_rotate_f_(moments, &methods[1], &h, &steps, &whole, u[2][0], v[2][0], told[2], &status);
+    CHECK(status == POINSOT_E_SIZE);
+  }
+}
+
 /* ---- the struct of another version, rows of the caller's choice ----------------------------------------------------- */
 
 /* The functions behind the macros: what a program compiled with 0.1 calls. */
@@ -565,6 +655,7 @@ static void threads(void) {
 }
 
 int main(void) {
+  ways();
   growth();
   fixed_form();
   library();
