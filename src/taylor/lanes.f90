@@ -12,12 +12,12 @@ module poinsot_taylor_lanes
    use poinsot_taylor_series_common, only: last_order, last_double
    use poinsot_taylor_series_double, only: d_width => width, d_constants => lane_constants, &
       d_extras => lane_extras, d_series_one => series_one, d_series_two => series_two, &
-      d_fill_cosine => fill_cosine, d_horner_vector => horner_vector, &
-      d_horner_angle => horner_angle, d_turn_one => turn_one, d_turn_two => turn_two
+      d_fill_cosine => fill_cosine, d_horner_one => horner_one, &
+      d_horner_two => horner_two, d_turn_one => turn_one, d_turn_two => turn_two
    use poinsot_taylor_series_single, only: s_constants => lane_constants, &
       s_extras => lane_extras, s_series_one => series_one, s_series_two => series_two, &
-      s_fill_cosine => fill_cosine, s_horner_vector => horner_vector, &
-      s_horner_angle => horner_angle, s_turn_one => turn_one, s_turn_two => turn_two
+      s_fill_cosine => fill_cosine, s_horner_one => horner_one, &
+      s_horner_two => horner_two, s_turn_one => turn_one, s_turn_two => turn_two
    use poinsot_taylor_lanes_common, only: fastest, slowest, two_ones, smallest, &
       one_bits, per_bit, bits_per, longest_turn, almost_one, most_parts, grid_bits, grid_limit
    implicit none(type, external)
@@ -27,8 +27,6 @@ module poinsot_taylor_lanes
    integer, parameter :: parts = 2              ! vectors of double precision
 
    integer, parameter :: width = d_width*parts   ! lanes
-   integer, parameter :: words = d_width*parts*(9*(last_double + 1) + 2*(last_double + 1)) + &
-      (width*(9*(last_order + 1) + 2*(last_order + 1)))/2
 
    !> Series of all lanes: angular velocity, one or two directions, d = 1 + n.n(0) and the rate p of
    !> the angle; in double precision, then in single.
@@ -55,6 +53,25 @@ module poinsot_taylor_lanes
       integer :: next = 1                       !! body
    end type lane_state
 
+   !> What a substep adds.
+   type :: increments
+      real(dp) :: dw(d_width, 3, parts)         !! to scaled angular velocities
+      real(dp) :: turn(d_width, 4, parts)       !! a quaternion less 1
+      real(dp) :: scale(d_width, parts)         !! of torques
+      real(dp) :: far(d_width, parts)           !! positive where the substep is too long
+      real(dp) :: h(d_width), sums(d_width, 9)
+      real(sp) :: dws(width, 3), turns(width, 4), fars(width), hs(width), tail(width, 9)
+   end type increments
+
+   !> All of these begin at a line of cache: vectors across two cost a quarter of the time.
+   type :: lane_memory
+      type(series_store) :: series
+      type(d_constants) :: cd(parts)
+      type(s_constants) :: cs
+      type(increments) :: gain
+      type(lane_state) :: a
+   end type lane_memory
+
 contains
 
    !> Steps first to first + steps - 1 of length h for n bodies of one class. A body that fails
@@ -68,37 +85,48 @@ contains
       real(dp), intent(inout) :: y(3, n), q(4, n)
       real(dp), intent(inout) :: carry(7, merge(n, 0, keep))
       integer, intent(inout) :: status(n)
-      real(dp), target :: memory(words + 8)           ! not saved; series begin at a line of cache
-      type(series_store), pointer :: store
-      type(lane_state) :: a
-      type(d_constants) :: cd(parts)
-      type(s_constants) :: cs
+      type(lane_memory), pointer :: m
+      real(dp), target :: memory(storage_size(m)/storage_size(1.0_dp) + 8)   ! not saved
       type(d_extras) :: xd(parts)
       type(s_extras) :: xs
-      integer :: shift, i
+      integer :: shift
       shift = int(modulo(-transfer(c_loc(memory), 0_c_intptr_t), 64_c_intptr_t))/8
-      call c_f_pointer(c_loc(memory(1 + shift)), store)
+      call c_f_pointer(c_loc(memory(1 + shift)), m)
       if (n <= d_width) memory = 0                    ! lanes that are never used
-      cs%arm = 0
-      do i = 1, 3
-         cs%g(:, i) = real(problem%g(i), sp)
-         do shift = 1, parts
-            cd(shift)%g(:, i) = problem%g(i)
-         end do
-      end do
+      m%a = lane_state()
+      m%a%q(:, 1, :) = 1
+      call fill_constants(problem, m%cd, m%cs)
       if (.not. problem%simple) call open_extras(problem, xd, xs)
-      a%q(:, 1, :) = 1
-      call refill(problem, time, keep, n, y, q, carry, status, a)
-      do while (a%live > 0)
-         call substep(problem, orders, time, store, cd, cs, xd, xs, a, status)
-         if (count_done(a%left) <= width - a%live) cycle
-         call finish(problem, time, keep, n, y, q, carry, status, a)
-         call refill(problem, time, keep, n, y, q, carry, status, a)
+      call refill(problem, time, keep, n, y, q, carry, status, m%a)
+      do while (m%a%live > 0)
+         call substep(problem, orders, time, m%series, m%cd, m%cs, xd, xs, m%gain, m%a, status)
+         if (count_done(m%a%left) <= width - m%a%live) cycle
+         call finish(problem, time, keep, n, y, q, carry, status, m%a)
+         call refill(problem, time, keep, n, y, q, carry, status, m%a)
       end do
    end subroutine run_lanes
 
+   !> What does not depend on the time scale of a lane.
+   pure subroutine fill_constants(problem, cd, cs)
+      type(taylor_problem), intent(in) :: problem
+      type(d_constants), intent(inout) :: cd(parts)
+      type(s_constants), intent(inout) :: cs
+      integer :: i, b
+      do i = 1, 3
+         cs%g(:, i) = real(problem%g(i), sp)
+         do b = 1, parts
+            cd(b)%g(:, i) = problem%g(i)
+         end do
+      end do
+      cs%arm = 0
+      cs%e = 0
+      do b = 1, parts
+         cd(b)%e = 0
+      end do
+   end subroutine fill_constants
+
    !> One substep of all lanes.
-   subroutine substep(problem, orders, time, store, cd, cs, xd, xs, a, status)
+   subroutine substep(problem, orders, time, store, cd, cs, xd, xs, gain, a, status)
       type(taylor_problem), intent(in) :: problem
       type(taylor_orders), intent(in) :: orders
       type(taylor_time), intent(in) :: time
@@ -107,27 +135,20 @@ contains
       type(s_constants), intent(inout) :: cs
       type(d_extras), intent(inout) :: xd(parts)
       type(s_extras), intent(inout) :: xs
+      type(increments), intent(inout) :: gain
       type(lane_state), intent(inout) :: a
       integer, intent(inout) :: status(:)
-      real(dp) :: dw(d_width, 3, parts), turn(d_width, 4, parts)
-      integer :: k, b, i, l
+      integer :: b
       logical :: far
       do b = 1, a%parts
          call enter(problem, a%y(:, :, b), a%y_carry(:, :, b), a%q(:, :, b), a%p(:, b), &
-            store%w(:, :, :, b), store%n(:, :, :, b), store%m(:, :, :, b), cd(b))
+            store%w(:, :, :, b), store%n(:, :, :, b), store%m(:, :, :, b), gain%scale(:, b))
       end do
       a%reach = a%left
       if (any_fast(a%p)) call refuse_fast(problem, a, status)
       if (.not. problem%simple) call fill_extras(problem, time, a, xd, xs)
-      do b = 1, a%parts
-         k = (b - 1)*d_width
-         do i = 1, 6
-            !GCC$ ivdep
-            do l = 1, d_width
-               cs%arm(k + l, i) = real(cd(b)%arm(l, i), sp)
-            end do
-         end do
-         if (orders%double == 0) cycle
+      call fill_arms(problem, orders%double > 0, a%parts, gain%scale, cd, cs)
+      do b = 1, merge(a%parts, 0, orders%double > 0)
          if (problem%fixed == 1) then
             call d_series_one(0, orders%double, problem%simple, cd(b), xd(b), store%w(:, :, :, b), &
                store%n(:, :, :, b), store%d(:, :, b), store%p(:, :, b))
@@ -145,25 +166,30 @@ contains
          call s_series_two(orders%double, orders%last, cs, xs, store%ws, store%ns, store%ms)
       end if
       call choose_steps(problem, orders, store, a, status)
-      do
-         call advance(orders, problem%fixed > 1, store, a, dw, turn, far)
-         if (.not. far) exit
-      end do
-      call add(problem%moments, dw, turn, a)
+      far = .true.
+      if (orders%double == 0) then
+         do while (far)
+            call advance_single(orders, problem%fixed > 1, store, a, gain, far)
+         end do
+         call add_single(problem%moments, gain%dws, gain%turns, a)
+      else
+         do while (far)
+            call advance(orders, problem%fixed > 1, store, a, gain, far)
+         end do
+         call add(problem%moments, gain%dw, gain%turn, a)
+      end if
    end subroutine substep
 
-   !> Angular velocity, scale of time, directions and coefficients at the start of a substep.
-   subroutine enter(problem, y, carry, q, p, w, n, m, c)
+   !> Angular velocity, directions, scales of time and torque at the start of a substep.
+   subroutine enter(problem, y, carry, q, p, w, n, m, scale)
       type(taylor_problem), intent(in) :: problem
       real(dp), intent(in) :: y(d_width, 3), carry(d_width, 3), q(d_width, 4)
       real(dp), intent(out) :: p(d_width)
       real(dp), intent(inout) :: w(d_width, 3, 0:last_double), n(d_width, 3, 0:last_double), &
          m(d_width, 3, 0:last_double)
-      type(d_constants), intent(inout) :: c
-      real(dp) :: x(d_width), o1, o2, o3, s, r, e(6)
-      integer :: l, i
-      e = [problem%linear(1, 2, 1), problem%linear(1, 3, 1), problem%linear(2, 3, 1), &
-         problem%linear(2, 1, 1), problem%linear(3, 1, 1), problem%linear(3, 2, 1)]
+      real(dp), intent(out) :: scale(d_width)
+      real(dp) :: o1, o2, o3, s, r
+      integer :: l
       !GCC$ ivdep
       do l = 1, d_width
          o1 = ((y(l, 1) - problem%rotor(1)) + carry(l, 1))*problem%inverse(1)
@@ -177,14 +203,42 @@ contains
          w(l, 2, 0) = o2*s
          w(l, 3, 0) = o3*s
          r = problem%unit*s
-         x(l) = r*r
-      end do
-      do i = 1, 6
-         c%arm(:, i) = e(i)*x
+         scale(l) = r*r
       end do
       call seen(problem%basis(:, 1), q, n)
       if (problem%fixed > 1) call seen(problem%basis(:, 2), q, m)
    end subroutine enter
+
+   !> Arms of the first direction in scaled time; the scales are powers of two.
+   pure subroutine fill_arms(problem, double, used, scale, cd, cs)
+      type(taylor_problem), intent(in) :: problem
+      logical, intent(in) :: double             !! in double precision too
+      integer, intent(in) :: used
+      real(dp), intent(in) :: scale(d_width, parts)
+      type(d_constants), intent(inout) :: cd(parts)
+      type(s_constants), intent(inout) :: cs
+      real(dp) :: e(6)
+      integer :: b, i, l
+      associate (m => problem%linear(:, :, 1))
+         e = [m(1, 2), m(1, 3), m(2, 3), m(2, 1), m(3, 1), m(3, 2)]
+      end associate
+      do b = 1, parts
+         !GCC$ ivdep
+         do l = 1, d_width
+            cs%arm(l + (b - 1)*d_width, 1) = real(e(1)*scale(l, b), sp)
+            cs%arm(l + (b - 1)*d_width, 2) = real(e(2)*scale(l, b), sp)
+            cs%arm(l + (b - 1)*d_width, 3) = real(e(3)*scale(l, b), sp)
+            cs%arm(l + (b - 1)*d_width, 4) = real(e(4)*scale(l, b), sp)
+            cs%arm(l + (b - 1)*d_width, 5) = real(e(5)*scale(l, b), sp)
+            cs%arm(l + (b - 1)*d_width, 6) = real(e(6)*scale(l, b), sp)
+         end do
+      end do
+      do b = 1, merge(used, 0, double)
+         do i = 1, 6
+            cd(b)%arm(:, i) = e(i)*scale(:, b)
+         end do
+      end do
+   end subroutine fill_arms
 
    !> Q^T e of all lanes, of length 1 to rounding whatever |q| has lost.
    pure subroutine seen(e, q, v)
@@ -227,7 +281,7 @@ contains
                   store%ms(l + (b - 1)*d_width, i, j) = real(store%m(l, i, j, b), sp)
                end do
             end do
-            if (two) cycle
+            if (two .or. k == 0) cycle     ! the series begin with these
             !GCC$ ivdep
             do l = 1, d_width
                store%ds(l + (b - 1)*d_width, j) = real(store%d(l, j, b), sp)
@@ -339,94 +393,136 @@ contains
    end subroutine cap_damped
 
    !> Increments over the substeps; `far`: some were too long, are halved, and must be done again.
-   subroutine advance(orders, two, store, a, dw, turn, far)
+   subroutine advance(orders, two, store, a, gain, far)
       type(taylor_orders), intent(in) :: orders
       logical, intent(in) :: two
       type(series_store), intent(in) :: store
       type(lane_state), intent(inout) :: a
-      real(dp), intent(out) :: dw(d_width, 3, parts)
-      real(dp), intent(out) :: turn(d_width, 4, parts)
+      type(increments), intent(inout) :: gain
       logical, intent(out) :: far
-      real(dp) :: h(d_width), x(d_width, 3), z(d_width, 3), angle(d_width), excess(d_width, parts)
-      real(sp) :: hs(width), xs(width, 3), ys(width, 3), zs(width, 3), angles(width), c(width), &
-         v(width, 3), excess_s(width)
       integer :: b, i, l, k
+      call scaled_steps(a, gain%hs)
+      k = orders%double
+      gain%tail = 0
+      if (two) then
+         call s_horner_two(k, orders%last, gain%hs, store%ws, store%ns, store%ms, gain%tail)
+      else
+         call s_horner_one(k, orders%last, gain%hs, store%ws, store%ns, store%ps, gain%tail)
+      end if
+      do b = a%parts + 1, parts
+         gain%dw(:, :, b) = 0
+         gain%turn(:, :, b) = 0
+         gain%far(:, b) = -1
+      end do
+      do b = 1, a%parts
+         k = (b - 1)*d_width
+         associate (h => gain%h, s => gain%sums, turn => gain%turn(:, :, b))
+            h = a%h(:, b)*a%p(:, b)
+            do i = 1, 9
+               !GCC$ ivdep
+               do l = 1, d_width
+                  s(l, i) = gain%tail(k + l, i)
+               end do
+            end do
+            if (two) then
+               call d_horner_two(0, orders%double, h, store%w(:, :, :, b), store%n(:, :, :, b), &
+                  store%m(:, :, :, b), s)
+               call d_turn_two(h, store%n(:, :, 0, b), store%m(:, :, 0, b), s(:, 4:6), s(:, 7:9), &
+                  turn(:, 1), turn(:, 2:4), gain%far(:, b))
+            else
+               call d_horner_one(0, orders%double, h, store%w(:, :, :, b), store%n(:, :, :, b), &
+                  store%p(:, :, b), s)
+               call d_turn_one(h, store%n(:, :, 0, b), s(:, 4:6), s(:, 7), turn(:, 1), &
+                  turn(:, 2:4), gain%far(:, b))
+            end if
+            do i = 1, 3
+               gain%dw(:, i, b) = s(:, i)*h
+            end do
+         end associate
+      end do
+      far = any_positive(gain%far)
+      if (far) where (gain%far >= 0) a%h = 0.5_dp*a%h
+   end subroutine advance
+
+   !> The same where all is in single precision.
+   subroutine advance_single(orders, two, store, a, gain, far)
+      type(taylor_orders), intent(in) :: orders
+      logical, intent(in) :: two
+      type(series_store), intent(in) :: store
+      type(lane_state), intent(inout) :: a
+      type(increments), intent(inout) :: gain
+      logical, intent(out) :: far
+      integer :: i
+      associate (h => gain%hs, s => gain%tail, turn => gain%turns)
+         call scaled_steps(a, h)
+         s = 0
+         if (two) then
+            call s_horner_two(0, orders%last, h, store%ws, store%ns, store%ms, s)
+            call s_turn_two(h, store%ns, store%ms, s(:, 4:6), s(:, 7:9), turn(:, 1), &
+               turn(:, 2:4), gain%fars)
+         else
+            call s_horner_one(0, orders%last, h, store%ws, store%ns, store%ps, s)
+            call s_turn_one(h, store%ns, s(:, 4:6), s(:, 7), turn(:, 1), turn(:, 2:4), gain%fars)
+         end if
+         do i = 1, 3
+            gain%dws(:, i) = s(:, i)*h
+         end do
+      end associate
+      far = any_positive_single(gain%fars)
+      if (.not. far) return
+      gain%far = reshape(real(gain%fars, dp), [d_width, parts])
+      where (gain%far >= 0) a%h = 0.5_dp*a%h
+   end subroutine advance_single
+
+   !> Substeps in scaled time.
+   pure subroutine scaled_steps(a, h)
+      type(lane_state), intent(in) :: a
+      real(sp), intent(out) :: h(width)
+      integer :: b, l
       do b = 1, parts
          !GCC$ ivdep
          do l = 1, d_width
-            hs(l + (b - 1)*d_width) = real(a%h(l, b)*a%p(l, b), sp)
+            h(l + (b - 1)*d_width) = real(a%h(l, b)*a%p(l, b), sp)
          end do
       end do
-      xs = 0; ys = 0; zs = 0; angles = 0
-      k = orders%double
-      call s_horner_vector(k, orders%last, hs, store%ws, xs)
-      call s_horner_vector(k, orders%last, hs, store%ns, ys)
-      if (two) then
-         call s_horner_vector(k, orders%last, hs, store%ms, zs)
-      else
-         call s_horner_angle(k, orders%last, hs, store%ps, angles)
-      end if
-      if (k == 0) then
-         if (two) then
-            call s_turn_two(hs, store%ns, store%ms, ys, zs, c, v, excess_s)
-         else
-            call s_turn_one(hs, store%ns, ys, angles, c, v, excess_s)
-         end if
-         do i = 1, 3
-            xs(:, i) = xs(:, i)*hs
-         end do
-         do b = 1, parts
-            k = (b - 1)*d_width
-            do i = 1, 3
-               !GCC$ ivdep
-               do l = 1, d_width
-                  turn(l, i + 1, b) = real(v(k + l, i), dp)
-                  dw(l, i, b) = real(xs(k + l, i), dp)
-               end do
-            end do
+   end subroutine scaled_steps
+
+   !> Sums of increments in single precision: rounding is far below these, and nothing is carried.
+   pure subroutine add_single(moments, dw, turn, a)
+      real(dp), intent(in) :: moments(3)
+      real(sp), intent(in) :: dw(width, 3)         !! of scaled angular velocities
+      real(sp), intent(in) :: turn(width, 4)       !! less 1
+      type(lane_state), intent(inout) :: a
+      real(dp) :: q1, q2, q3, q4, t1, t2, t3, t4, d1, d2, d3, d4, e
+      integer :: l, b, k
+      do b = 1, parts
+         k = (b - 1)*d_width
+         associate (y => a%y(:, :, b), q => a%q(:, :, b), p => a%p(:, b), left => a%left(:, b))
             !GCC$ ivdep
             do l = 1, d_width
-               turn(l, 1, b) = real(c(k + l), dp)
-               excess(l, b) = real(excess_s(k + l), dp)
+               y(l, 1) = y(l, 1) + (real(dw(k + l, 1), dp)*p(l))*moments(1)
+               y(l, 2) = y(l, 2) + (real(dw(k + l, 2), dp)*p(l))*moments(2)
+               y(l, 3) = y(l, 3) + (real(dw(k + l, 3), dp)*p(l))*moments(3)
+               t1 = turn(k + l, 1); t2 = turn(k + l, 2); t3 = turn(k + l, 3); t4 = turn(k + l, 4)
+               q1 = q(l, 1); q2 = q(l, 2); q3 = q(l, 3); q4 = q(l, 4)
+               d1 = q1 + q1*t1; d2 = q2 + q2*t1; d3 = q3 + q3*t1; d4 = q4 + q4*t1
+               d1 = d1 - q2*t2; d2 = d2 + q1*t2; d3 = d3 + q1*t3; d4 = d4 + q1*t4
+               d1 = d1 - q3*t3; d2 = d2 + q3*t4; d3 = d3 + q4*t2; d4 = d4 + q2*t3
+               d1 = d1 - q4*t4; d2 = d2 - q4*t3; d3 = d3 - q2*t4; d4 = d4 - q3*t2
+               e = 1 - d1*d1
+               e = e - d2*d2
+               e = e - d3*d3
+               e = e - d4*d4
+               e = e*(0.5_dp + e*(0.375_dp + e*(0.3125_dp + e*(0.2734375_dp + e*0.24609375_dp))))
+               q(l, 1) = d1 + d1*e
+               q(l, 2) = d2 + d2*e
+               q(l, 3) = d3 + d3*e
+               q(l, 4) = d4 + d4*e
+               left(l) = left(l) - a%h(l, b)
             end do
-         end do
-      else
-         do b = a%parts + 1, parts
-            dw(:, :, b) = 0
-            turn(:, :, b) = 0
-            excess(:, b) = -1
-         end do
-         do b = 1, a%parts
-            k = (b - 1)*d_width
-            h = a%h(:, b)*a%p(:, b)
-            do i = 1, 3
-               !GCC$ ivdep
-               do l = 1, d_width
-                  dw(l, i, b) = xs(k + l, i)
-                  x(l, i) = ys(k + l, i)
-                  z(l, i) = zs(k + l, i)
-               end do
-            end do
-            angle = angles(k + 1:k + d_width)
-            call d_horner_vector(0, orders%double, h, store%w(:, :, :, b), dw(:, :, b))
-            call d_horner_vector(0, orders%double, h, store%n(:, :, :, b), x)
-            if (two) then
-               call d_horner_vector(0, orders%double, h, store%m(:, :, :, b), z)
-               call d_turn_two(h, store%n(:, :, 0, b), store%m(:, :, 0, b), x, z, turn(:, 1, b), &
-                  turn(:, 2:4, b), excess(:, b))
-            else
-               call d_horner_angle(0, orders%double, h, store%p(:, :, b), angle)
-               call d_turn_one(h, store%n(:, :, 0, b), x, angle, turn(:, 1, b), turn(:, 2:4, b), &
-                  excess(:, b))
-            end if
-            do i = 1, 3
-               dw(:, i, b) = dw(:, i, b)*h
-            end do
-         end do
-      end if
-      far = any_positive(excess)
-      if (far) where (excess >= 0) a%h = 0.5_dp*a%h
-   end subroutine advance
+         end associate
+      end do
+   end subroutine add_single
 
    !> Compensated sums; |q| is drawn to 1 through its carry.
    pure subroutine add(moments, dw, turn, a)
@@ -525,6 +621,18 @@ contains
       end do
       any_positive = signs >= 0
    end function any_positive
+
+   !> The same in single precision.
+   pure logical function any_positive_single(x) result(found)
+      real(sp), intent(in) :: x(width)
+      integer(i4) :: signs
+      integer :: l
+      signs = -1
+      do l = 1, width
+         signs = iand(signs, transfer(x(l), 1_i4))
+      end do
+      found = signs >= 0
+   end function any_positive_single
 
    !> Lanes whose step h is done, idle ones among them.
    pure integer function count_done(left) result(number)

@@ -6,7 +6,7 @@ module poinsot_taylor_series_single
    implicit none(type, external)
    private
    public :: lane_constants, lane_extras, width, series_one, series_two, fill_cosine, &
-      horner_vector, horner_angle, turn_one, turn_two
+      horner_one, horner_two, turn_one, turn_two
 
    integer, parameter :: width = 16
    integer, parameter :: trig = 6        ! terms of sine and cosine
