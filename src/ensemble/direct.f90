@@ -10,7 +10,7 @@ module poinsot_ensemble_direct
    use poinsot_ensemble_block, only: reject, reject_torques, add_products
    use poinsot_ensemble_layout, only: body_momentum
    use poinsot_ensemble_plan, only: poinsot_plan
-   use poinsot_free_exact_lanes, only: advance_each
+   use poinsot_free_exact_lanes, only: advance_each, make_constants
    use poinsot_free_method, only: free_method, advance
    use poinsot_free_lane_moments, only: lane_moments, take_moments
    implicit none(type, external)
@@ -90,6 +90,7 @@ contains
       refused = status(1)
       if (refused == poinsot_ok .and. own%linear) refused = without_inertia
       if (refused /= poinsot_ok) return
+      call make_constants(max(1, min(lanes, n + group - 1)/group), own%moments, own%constants)
       hl = h
       do first = 1, n, lanes
          m = min(lanes, n - first + 1)

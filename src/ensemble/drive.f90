@@ -115,6 +115,9 @@ contains
 
       classes = 1
       if (associated(job%plan)) classes = job%plan%class_count()
+      do n = 1, lanes ! a loop here has the compiler align the whole of them
+         own%scale(n) = 1
+      end do
       call collect_chunk(host%view, classes, length, k, h, failed)
       do
          call next_block(h, n, c, at)

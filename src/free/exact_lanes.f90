@@ -21,7 +21,7 @@ module poinsot_free_exact_lanes
    use poinsot_free_jacobi_solution, only: jacobi_lanes
    implicit none(type, external)
    private
-   public :: lane_constants, make_lane_constants, advance_each
+   public :: lane_constants, make_lane_constants, accept_lanes, make_constants, advance_each
 
    integer, parameter :: most_substeps = 6 !! beyond, Jacobi's functions are cheaper
    integer, parameter :: in_order(3) = [1, 2, 3]
@@ -39,6 +39,15 @@ contains
       integer, intent(in) :: nvec                   !! groups of lanes to work on
       type(lane_constants), intent(inout) :: c
       integer, intent(inout) :: status(lanes)
+      call accept_lanes(moments, nvec, status)
+      call make_constants(nvec, moments, c)
+   end subroutine make_lane_constants
+
+   !> Moments as they are taken; those of a sphere where no body has such, with a status.
+   pure subroutine accept_lanes(moments, nvec, status)
+      real(dp), intent(inout) :: moments(lanes, 3)
+      integer, intent(in) :: nvec
+      integer, intent(inout) :: status(lanes)
       real(dp) :: accepted(lanes, 3)
       integer(i8) :: plain(lanes), all_plain
       integer :: l
@@ -53,8 +62,7 @@ contains
          end do
       end if
       moments(:group*nvec, :) = accepted(:group*nvec, :)
-      call make_constants(nvec, accepted, c)
-   end subroutine make_lane_constants
+   end subroutine accept_lanes
 
    !> Mask of the lanes whose moments `accept_moments` takes as they are: positive, within the
    !> triangle inequality, and of no body as thin as a line. The others get those of a sphere first.

@@ -7,7 +7,8 @@ module poinsot_free_lane_moments
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_not_finite
    use poinsot_body_class, only: body_class, fastest
-   use poinsot_free_exact_lanes, only: lane_constants, make_lane_constants, advance_each
+   use poinsot_free_exact_lanes, only: lane_constants, accept_lanes, make_constants, &
+      advance_each
    use poinsot_free_method, only: free_method, advance_lanes
    implicit none(type, external)
    private
@@ -15,14 +16,16 @@ module poinsot_free_lane_moments
 
    !> Of the bodies of a block. All lanes are set, those of padding too, but for the constants.
    type :: lane_moments
-      logical :: scaled                           !! of the shape of the class; else any
-      logical :: wide                             !! a scale is far from 1
-      logical :: linear                           !! a body has no inertia about some axis
+      ! arrays first: vectors of a block then begin at a multiple of 64 bytes
       real(dp), dimension(lanes) :: scale         !! over the moments of the class; else 1
       real(dp), dimension(lanes, 3) :: moments    !! caller's axes
       real(dp), dimension(lanes, 3) :: inverse    !! 0 for a zero moment
       real(dp), dimension(lanes, 3) :: limit      !! momenta that no body may exceed
-      type(lane_constants) :: constants           !! unless `scaled`
+      type(lane_constants) :: constants           !! unless `scaled`, once a step has needed them
+      logical :: scaled                           !! of the shape of the class; else any
+      logical :: wide                             !! a scale is far from 1
+      logical :: linear                           !! a body has no inertia about some axis
+      logical :: made                             !! the constants are
    end type lane_moments
 
    real(dp), parameter :: heaviest = 1e200_dp     !! a bound on momenta grows with moments to here
@@ -105,45 +108,57 @@ contains
       integer, intent(in) :: nvec                 !! groups of lanes that hold bodies
       type(lane_moments), intent(inout) :: own
       integer, intent(inout) :: status(lanes)
-      integer(i8) :: bits
+      integer(i8) :: bits, most
       integer :: j, l
       own%scaled = .false.
       own%wide = .false.
+      own%made = .false.
+      most = 0
+      do j = 1, 3
+         !GCC$ ivdep
+         do l = 1, lanes
+            own%moments(l, j) = moments(l, j)
+            most = max(most, iand(transfer(moments(l, j), bits), exponent_bits))
+         end do
+      end do
       own%scale = 1
-      own%moments = moments
-      do j = 1, 3
-         do l = 1, lanes
-            bits = transfer(moments(l, j), bits)
-            if (iand(bits, exponent_bits) /= exponent_bits) cycle
-            if (status(l) == poinsot_ok) status(l) = poinsot_e_not_finite
-            own%moments(l, :) = 1
-         end do
-      end do
-      call make_lane_constants(own%moments, nvec, own%constants, status)
-      own%linear = .false.
-      do j = 1, 3
-         do l = 1, lanes
-            own%inverse(l, j) = 0
-            if (own%moments(l, j) > 0) then
-               own%inverse(l, j) = 1/own%moments(l, j)
-            else
-               own%linear = .true.
-            end if
-         end do
-      end do
+      if (most == exponent_bits) call drop_not_finite(own, status)
+      call accept_lanes(own%moments, nvec, status)
+      own%linear = .not. all(own%moments > 0)
+      if (own%linear) then
+         own%inverse = 0
+         where (own%moments > 0) own%inverse = 1/own%moments
+      else
+         own%inverse = 1/own%moments
+      end if
       call set_limits(own)
    end subroutine take_moments
+
+   !> Moments that are no numbers: those of a sphere, and a status.
+   pure subroutine drop_not_finite(own, status)
+      type(lane_moments), intent(inout) :: own
+      integer, intent(inout) :: status(lanes)
+      integer(i8) :: bits(3)
+      integer :: l
+      do l = 1, lanes
+         bits = transfer(own%moments(l, :), bits)
+         if (all(iand(bits, exponent_bits) /= exponent_bits)) cycle
+         if (status(l) == poinsot_ok) status(l) = poinsot_e_not_finite
+         own%moments(l, :) = 1
+      end do
+   end subroutine drop_not_finite
 
    !> Bounds on momenta: no body may turn faster than `fastest`.
    pure subroutine set_limits(own)
       type(lane_moments), intent(inout) :: own
       integer :: j, l
       do j = 1, 3
+         !GCC$ ivdep
          do l = 1, lanes
             own%limit(l, j) = fastest*min(own%moments(l, j), heaviest)
-            if (.not. own%moments(l, j) > 0) own%limit(l, j) = massless
          end do
       end do
+      if (own%linear) where (.not. own%moments > 0) own%limit = massless
    end subroutine set_limits
 
    !> Is there a kernel of a method for bodies that all differ?
@@ -155,7 +170,7 @@ contains
    !> One step of a block. A lane whose status is not POINSOT_OK stands still; a lane that fails
    !> here gets its status and keeps its state.
    pure subroutine advance_own(own, method, class, h, y, q, status, nvec, carry)
-      type(lane_moments), intent(in) :: own
+      type(lane_moments), intent(inout) :: own
       type(free_method), intent(in) :: method                !! one that takes them
       type(body_class), intent(in) :: class                  !! of these bodies
       real(dp), intent(in) :: h                              !! step, either sign
@@ -166,6 +181,8 @@ contains
       real(dp) :: hl(lanes)
       if (.not. own%scaled) then
          hl = h
+         if (.not. own%made) call make_constants(nvec, own%moments, own%constants)
+         own%made = .true.
          call advance_each(own%constants, method%name == "jacobi", hl, y, q, status, nvec, carry)
       else if (own%wide .or. abs(h) > far) then
          call advance_wide(own, method, class, h, y, q, status, nvec, carry)

@@ -6,7 +6,7 @@
 module poinsot_free_method
    use poinsot_core_kinds, only: dp, group, groups, lanes, name_length
    use poinsot_core_error, only: poinsot_error, raise
-   use poinsot_core_lanes, only: any_failed
+   use poinsot_core_lanes, only: any_failed, largest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, conserve
@@ -253,7 +253,7 @@ contains
       real(dp) :: hl(lanes)
       hl(:group*nvec) = h(:group*nvec)
       if (any_failed(status, nvec)) call stop_failed(nvec, status, hl)
-      call reject_far(nvec, class, y, hl, status)
+      if (largest(nvec, abs(hl)) > far) call reject_far(nvec, class, y, hl, status)
       if (associated(method%step) .and. .not. present(carry)) then
          call method%step(nvec, class, method%terms, hl, y, q, status)
          return
