@@ -272,14 +272,12 @@ contains
       type(folder_lock), intent(inout) :: lock
       class(communicator), intent(inout), optional :: ranks
       type(poinsot_error), intent(inout) :: error
-      integer :: code
       if (.not. present(ranks)) then
          call lock_folder(out, lock, error)
          return
       end if
       if (ranks%number == 0) call lock_folder(out, lock, error)
-      code = ranks%max_over_ranks(error%code)
-      if (code /= 0 .and. .not. raised(error)) call raise(error, code, "another rank failed")
+      call ranks%share_error(error)
    end subroutine lock_for_all
 
    !> How to go on, if there is something to go on from.
@@ -296,11 +294,9 @@ contains
       type(progress_watch), intent(inout) :: watch
       class(communicator), intent(inout) :: ranks
       type(poinsot_error), intent(inout) :: error
-      integer :: code
       if (.not. is_auto(scene)) return
       if (ranks%number == 0) call resolve_auto(scene, watch, error)
-      code = ranks%max_over_ranks(error%code)
-      if (code /= 0 .and. .not. raised(error)) call raise(error, code, "another rank failed")
+      call ranks%share_error(error)
       if (raised(error)) return
       call broadcast_name(ranks, scene%method)
       call broadcast_name(ranks, scene%splitting)

@@ -2,13 +2,13 @@
 # Tests of the app on several MPI processes: the files of a run are those of one process, to the bit. `make test-mpi`.
 # Ends with "N passed, M failed".
 #
-# environment: MPIRUN how to start processes (what tools/mpi.sh found)
+# environment: MPIRUN how to start processes (what tools/mpi.sh found); ALONE and MANY the apps for one process and for several
 set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
 work=$root/build/mpi/test
-one=$root/build/stage/bin/poinsot
-many=$root/build/mpi/poinsot
+one=${ALONE:-$root/build/stage/bin/poinsot}
+many=${MANY:-$root/build/mpi/poinsot}
 MPIRUN=${MPIRUN:-$(cat build/mpi/starter)}
 passed=0 failed=0
 OMP_NUM_THREADS=1
@@ -73,10 +73,54 @@ cat >fails.nml <<END
 /
 END
 
+# Several kinds of output, of some bodies in the scene's own frame.
+cat >shown.nml <<END
+&scene
+   t_end = 1, h = 0.1
+/
+&bodies
+   count = 200, tensor = 1.0, 0.1, 0, 0.1, 1.2, 0, 0, 0, 1.4, random = 'uniform', y = 1, 2, 3
+/
+&bodies
+   count = 150, moments = 1.0, 1.0, 0.5, random = 'thermal', temperature = 1.0
+/
+&output
+   every = 0.5, format = 'csv+extxyz', bodies = 1, 7, 200, 201, 350
+/
+END
 same_bits() { ranks "$1" run mixed.nml --out "mixed-$1" && cmp mixed/trajectory.csv "mixed-$1/trajectory.csv" && cmp mixed/end.restart "mixed-$1/end.restart"; }
 restart() {
    ranks 3 run mixed.nml --out half --set scene.t_end=1 && ranks 2 run mixed.nml --out rest --set scene.from=half/end.restart &&
       cmp mixed/end.restart rest/end.restart
+}
+# All that does not tell the time is the same: also sums over the bodies of all ranks.
+shown() {
+   alone run shown.nml --out shown && ranks 4 run shown.nml --out shown-4 && cmp shown/trajectory.csv shown-4/trajectory.csv &&
+      cmp shown/trajectory.xyz shown-4/trajectory.xyz &&
+      for it in mixed shown; do
+         grep -v 'wall time\|speed\|threads' $it/summary.txt >a && grep -v 'wall time\|speed\|threads' $it-4/summary.txt >b && diff a b || return 1
+         diff "$it/view.html" "$it-4/view.html" || return 1
+      done
+}
+# A restart file that was changed, within one rank's part of it or at its end.
+damaged() {
+   sed '900s/./F/20' mixed/end.restart >changed.restart
+   head -n 1000 mixed/end.restart >short.restart
+   for it in changed short; do
+      "$one" run mixed.nml --out refused --quiet --set scene.t_end=3 --set scene.from=$it.restart 2>said
+      [ $? -eq 2 ] || return 1
+      ranks 3 run mixed.nml --out refused --set scene.t_end=3 --set scene.from=$it.restart 2>said-3
+      [ $? -eq 2 ] && grep -F "$(cat said)" said-3 || return 1
+   done
+}
+# Memory of each process: a quarter of the bodies each.
+memory() {
+   most() { tr ' ' '\n' <"$1" | grep '^[0-9][0-9]*$' | sort -n | tail -n 1; }
+   set -- run "$root/scenes/free-body.nml" --quiet --no-pictures --set bodies.count=1000000 --set scene.t_end=0.02 \
+      --set output.every=0.01 --set output.bodies=1
+   /usr/bin/time -f %M -o one "$one" "$@" --out large && $MPIRUN -n 4 sh -c 'exec /usr/bin/time -f %M -o "many.$$" "$@"' sh "$many" "$@" --out large-4 &&
+      cat many.* >many && echo "kB of one process $(most one), of each of four $(most many)" && cmp large/trajectory.csv large-4/trajectory.csv &&
+      [ "$(most many)" -lt $(($(most one)*45/100)) ]
 }
 shipped() {
    alone run "$root/scenes/$1.nml" --out "$1" && ranks 3 run "$root/scenes/$1.nml" --out "$1-3" && cmp "$1/trajectory.csv" "$1-3/trajectory.csv"
@@ -99,6 +143,9 @@ speaks_once() { [ "$($MPIRUN -n 3 "$many" methods | wc -l)" -eq "$("$one" method
 expect "alone" alone run mixed.nml --out mixed
 for n in 1 2 3 4; do expect "same-bits-$n" same_bits $n; done
 expect "restart-3-to-2" restart
+expect "restart-damaged" damaged
+expect "what-is-shown" shown
+if [ -x /usr/bin/time ]; then expect "memory" memory; fi
 expect "one-body" shipped heavy-top
 expect "coupled-bodies" shipped dipole-chain
 expect "auto" auto

@@ -7,6 +7,7 @@ module test_choose
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_e_convergence, poinsot_e_method
    use poinsot_scene_engine, only: engine, start_engine, engine_step
+   use poinsot_scene_communicator, only: communicator
    use poinsot_scene_restart, only: restart_state, write_restart
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
@@ -183,6 +184,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(scene_settings) :: scene
       type(restart_state) :: saved
+      type(body_states) :: states
+      type(communicator) :: alone
       type(run_watch) :: watch
       type(poinsot_error) :: failure
       character(*), parameter :: file = "build/test-auto-restart.txt"
@@ -196,8 +199,10 @@ contains
       saved%method = "dmv6"
       saved%splitting = "suzuki4"
       saved%h = 0.125_dp
-      allocate (saved%y(3, 1), saved%q(4, 1), saved%carry(7, 1), source=0.0_dp)
-      call write_restart(file, saved, failure)
+      states%n = 1
+      states%total = 1
+      allocate (states%y(3, 1), states%q(4, 1), states%carry(7, 1), source=0.0_dp)
+      call write_restart(file, saved, states, alone, failure)
       call open_scene("heavy-top", [character(60) :: "scene.method='auto'", "scene.from='" // &
          file // "'"], scene, &
                       failure)

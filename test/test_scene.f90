@@ -18,7 +18,9 @@ module test_scene
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
    use poinsot_scene_run, only: run_scene, check_scene
+   use poinsot_scene_communicator, only: communicator
    use poinsot_scene_restart, only: restart_state, read_restart
+   use poinsot_scene_states, only: body_states, first_states
    use poinsot_scene_summary, only: run_report
    use poinsot_scene_trajectory, only: csv_row, longest_row
    use poinsot_scene_watch, only: run_watch
@@ -656,6 +658,8 @@ contains
       type(scene_settings) :: scene
       type(poinsot_error) :: failure
       type(restart_state) :: state
+      type(body_states) :: states
+      type(communicator) :: alone
       character(:), allocatable :: text
       real(dp), allocatable :: y(:, :), q(:, :)
       integer :: i, unit
@@ -668,7 +672,8 @@ contains
          write (unit) text(:i)
          close (unit)
          call clear(failure)
-         call read_restart(output // "/cut.txt", 1_i8, 0_i8, state, failure)
+         call first_states(scene, states, failure)
+         call read_restart(output // "/cut.txt", 0_i8, state, states, alone, failure)
          call expect(error, failure%code, poinsot_e_scene, "a truncated file is taken")
       end do
       call refused("scene.h=0.01", "h = 0.02")

@@ -8,7 +8,8 @@ module test_scene_files
    use poinsot_core_maxima, only: larger, largest_of
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene
    use poinsot_scene_build, only: build_scene
-   use poinsot_scene_drift, only: drift_watch, start_drift, follow_drift
+   use poinsot_scene_communicator, only: communicator
+   use poinsot_scene_drift, only: drift_watch, start_drift, start_energy, follow_drift
    use poinsot_scene_files, only: file_exists, real_path
    use poinsot_scene_folder, only: folder_lock, lock_folder, unlock_folder
    use poinsot_scene_reader, only: scan_source
@@ -342,6 +343,7 @@ contains
       type(scene_source) :: source
       type(scene_settings) :: scene
       type(body_states) :: states
+      type(communicator) :: alone
       type(drift_watch) :: drift
       type(poinsot_error) :: failure
       real(dp) :: nan, zero(2)
@@ -359,13 +361,14 @@ contains
       call first_states(scene, states, failure)
       call accepted(error, failure)
       zero = 0
-      call start_drift(states, zero, zero, drift, code)
+      call start_drift(states, drift, code)
+      call start_energy(zero, zero, alone, drift)
       states%y(2, 1) = nan
       states%q(2, 1) = nan
-      call follow_drift(states, [nan, 0._dp], zero, drift)
+      call follow_drift(states, [nan, 0._dp], zero, alone, drift)
       states%y(2, 1) = 0
       states%q(2, 1) = 0
-      call follow_drift(states, zero, zero, drift)
+      call follow_drift(states, zero, zero, alone, drift)
       call expect(error, all(ieee_is_nan([drift%energy_change, drift%casimir_change, &
                   drift%momentum_change, drift%vertical_change, drift%norm_change])), &
                   "a change that is no number is lost")

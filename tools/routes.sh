@@ -3,7 +3,7 @@
 # skipped and named. Ends with "N passed, M failed, K skipped"; exit code 1 on a failure, else 77 if one was skipped.
 #
 # usage: tools/routes.sh [ROUTE...]      all of: cmake fetch-c fetch-fortran fpm meson read-only gfortran-11 levels mpich openmpi
-#                                        aarch64 wheel
+#                                        cmake-mpi aarch64 wheel view
 # environment: FC, CC
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -105,14 +105,33 @@ mpi_with() {
 route_mpich() { mpi_with mpich; }
 route_openmpi() { mpi_with openmpi; }
 
-# Compiled for another kind of processor; linked without LAPACK of that kind, which is not asked for here.
+# The app of several processes by CMake.
+route_cmake_mpi() {
+   have cmake mpirun || { skip "no cmake or mpirun"; return; }
+   # shellcheck disable=SC2086
+   configured "$out/cmake-mpi" . $library_only -DPOINSOT_MPI=ON -DPOINSOT_SHARED=OFF &&
+      ALONE=$out/cmake-mpi/bin/poinsot MANY=$out/cmake-mpi/bin/poinsot-mpi MPIRUN=mpirun test/mpi.sh
+}
+
+# Compiled for another kind of processor, and run by an emulated one. Without LAPACK of that kind: a consumer that needs none.
 route_aarch64() {
    have cmake aarch64-linux-gnu-gfortran aarch64-linux-gnu-gcc || { skip "no aarch64-linux-gnu-gfortran"; return; }
+   have qemu-aarch64 || { skip "no qemu-aarch64"; return; }
    # shellcheck disable=SC2086
    configured "$out/aarch64" . $library_only -DPOINSOT_APP=OFF -DPOINSOT_SHARED=OFF -DPOINSOT_TARGET=portable \
-      -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 -DCMAKE_C_COMPILER=aarch64-linux-gnu-gcc \
-      -DCMAKE_Fortran_COMPILER=aarch64-linux-gnu-gfortran -DLAPACK_LIBRARIES=lapack -DBLAS_LIBRARIES=blas &&
-      aarch64-linux-gnu-nm "$out/aarch64/libpoinsot.a" | grep -q ' T poinsot_rotate$'
+      -DCMAKE_TOOLCHAIN_FILE=tools/install/aarch64.cmake -DLAPACK_LIBRARIES=lapack -DBLAS_LIBRARIES=blas &&
+      echo 'int dsyev_(void) { return 1; } int dgesvd_(void) { return 1; }' >"$out/aarch64.lapack.c" &&
+      aarch64-linux-gnu-gcc -static test/consumer/consumer.c "$out/aarch64.lapack.c" -Iinclude "$out/aarch64/libpoinsot.a" \
+         -lgfortran -lgomp -lm -o "$out/aarch64.consumer" && qemu-aarch64 "$out/aarch64.consumer"
+}
+
+# The page of a motion in a browser.
+route_view() {
+   [ -x build/stage/bin/poinsot ] || make build || return 1
+   test/view.sh
+   code=$?
+   [ $code != 77 ] || why="no Chromium"
+   return $code
 }
 
 route_wheel() {
@@ -127,7 +146,7 @@ y, q = poinsot.Body([0.376, 0.627, 1.0]).rotate(numpy.array([0.0, 0.6, -0.8]), n
 assert abs(y.ravel()[0] - 0.0545936805170046) < 1e-13")
 }
 
-for route in ${*:-cmake fetch-c fetch-fortran fpm meson read-only gfortran-11 levels mpich openmpi aarch64 wheel}; do
+for route in ${*:-cmake fetch-c fetch-fortran fpm meson read-only gfortran-11 levels mpich openmpi cmake-mpi aarch64 wheel view}; do
    begun=$(date +%s) why=
    route_"$(echo "$route" | tr - _)" >"$out/$route.log" 2>&1
    case $? in

@@ -7,7 +7,7 @@ module poinsot_scene_compare
    use poinsot_rotation_quaternion, only: attitude_distance
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
-   use poinsot_scene_states, only: body_states
+   use poinsot_scene_states, only: body_states, first_states
    use poinsot_scene_engine, only: engine, start_engine, engine_step
    use poinsot_scene_summary, only: run_report
    implicit none(type, external)
@@ -21,22 +21,22 @@ contains
 
    !> Put the comparison into the report; none for large runs, continued runs and random effects. A
    !> comparison that fails is no failure of the run.
-   subroutine compare_end(scene, begin, states, report)
+   subroutine compare_end(scene, states, report)
       type(scene_settings), intent(in) :: scene       !! the typed scene
-      type(body_states), intent(in) :: begin          !! not filled for a large run
-      type(body_states), intent(in) :: states         !! at the end
+      type(body_states), intent(in) :: states         !! at the end; not filled for a large run
       type(run_report), intent(inout) :: report       !! what the summary says
       type(body_states) :: other
       type(poinsot_error) :: refused
       logical :: free
       report%reference = ""
       free = size(scene%effects) == 0
-      if (begin%n == 0 .or. len(scene%from) > 0) return
+      if (states%n == 0 .or. len(scene%from) > 0) return
       if (any_random(scene)) return
-      if (.not. free .and. real(finer*report%steps, dp)*begin%n > most_work) return
-      other = begin
-      other%carry = 0
-      if (free) then
+      if (.not. free .and. real(finer*report%steps, dp)*states%n > most_work) return
+      call first_states(scene, other, refused)
+      if (raised(refused)) then
+         continue
+      else if (free) then
          call free_reference(scene, other, report, refused)
       else
          call fine_reference(scene, other, report, refused)

@@ -4,10 +4,11 @@ module poinsot_scene_drift
    use poinsot_core_kinds, only: dp
    use poinsot_core_maxima, only: larger, largest_of
    use poinsot_body_invariants, only: space_momentum
+   use poinsot_scene_communicator, only: communicator
    use poinsot_scene_states, only: body_states
    implicit none(type, external)
    private
-   public :: drift_watch, start_drift, follow_drift
+   public :: drift_watch, start_drift, start_energy, follow_drift
 
    !> First values and largest changes, all of them relative to the scale of their own quantity.
    type :: drift_watch
@@ -26,10 +27,9 @@ module poinsot_scene_drift
 
 contains
 
-   !> Remember the start.
-   subroutine start_drift(states, kinetic, potential, drift, code)
-      type(body_states), intent(in) :: states          !! of all bodies
-      real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
+   !> Remember the start; `start_energy` follows.
+   subroutine start_drift(states, drift, code)
+      type(body_states), intent(in) :: states          !! of this rank
       type(drift_watch), intent(out) :: drift
       integer, intent(out) :: code                     !! not 0: no memory
       integer :: i, n
@@ -43,16 +43,39 @@ contains
          drift%momentum(:, i) = space_momentum(states%y(:, i), states%q(:, i))
       end do
       drift%size_y = drift%length
-      drift%total = sum(kinetic) + sum(potential)
-      drift%total_size = sum(abs(kinetic)) + sum(abs(potential))
    end subroutine start_drift
 
-   !> Compare with the start.
-   subroutine follow_drift(states, kinetic, potential, drift)
-      type(body_states), intent(in) :: states          !! of all bodies
-      real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
+   !> Remember the energy of all bodies at the start. All ranks call.
+   subroutine start_energy(kinetic, potential, ranks, drift)
+      real(dp), intent(in) :: kinetic(:), potential(:) !! (n): of this rank's bodies
+      class(communicator), intent(inout) :: ranks
       type(drift_watch), intent(inout) :: drift
-      real(dp) :: now(3), length
+      call sum_energies(kinetic, potential, ranks, drift%total, drift%total_size)
+   end subroutine start_energy
+
+   !> Energy of the bodies of all ranks, and the sum of the sizes of its parts.
+   subroutine sum_energies(kinetic, potential, ranks, total, scale)
+      real(dp), intent(in) :: kinetic(:), potential(:)
+      class(communicator), intent(inout) :: ranks
+      real(dp), intent(out) :: total, scale
+      real(dp) :: sums(4)
+      integer :: i
+      call ranks%sums_before(sums)
+      do i = 1, size(kinetic)
+         sums = sums + [kinetic(i), potential(i), abs(kinetic(i)), abs(potential(i))]
+      end do
+      call ranks%sums_after(sums)
+      total = sums(1) + sums(2)
+      scale = sums(3) + sums(4)
+   end subroutine sum_energies
+
+   !> Compare with the start. All ranks call.
+   subroutine follow_drift(states, kinetic, potential, ranks, drift)
+      type(body_states), intent(in) :: states          !! of this rank
+      real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
+      class(communicator), intent(inout) :: ranks
+      type(drift_watch), intent(inout) :: drift
+      real(dp) :: now(3), length, total, scale, changes(4)
       integer :: i
       drift%measured = .true.
       do i = 1, states%n
@@ -66,9 +89,17 @@ contains
          drift%vertical_change = larger(drift%vertical_change, relative(now(3), drift%size_y(i)))
          drift%norm_change = larger(drift%norm_change, off_unit(states%q(:, i)))
       end do
-      drift%total_size = larger(drift%total_size, sum(abs(kinetic)) + sum(abs(potential)))
+      changes = [drift%casimir_change, drift%momentum_change, drift%vertical_change, &
+                 drift%norm_change]
+      call ranks%largest_over_ranks(changes)
+      drift%casimir_change = changes(1)
+      drift%momentum_change = changes(2)
+      drift%vertical_change = changes(3)
+      drift%norm_change = changes(4)
+      call sum_energies(kinetic, potential, ranks, total, scale)
+      drift%total_size = larger(drift%total_size, scale)
       drift%energy_change = larger(drift%energy_change, &
-         relative(sum(kinetic) + sum(potential) - drift%total, drift%total_size))
+         relative(total - drift%total, drift%total_size))
    end subroutine follow_drift
 
    !> |v| without leaving the range of numbers.

@@ -3,7 +3,8 @@
 module poinsot_scene_engine
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_partial, status_text
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_partial, &
+      status_text
    use poinsot_effect_effect, only: effect
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_chunk, only: chunk_count, chunk_length
@@ -15,15 +16,17 @@ module poinsot_scene_engine
    use poinsot_scene_text, only: text_of
    use poinsot_scene_settings, only: scene_settings, effect_setting
    use poinsot_scene_states, only: body_states
-   use poinsot_scene_communicator, only: communicator, slice_of
+   use poinsot_scene_communicator, only: communicator
    !$ use omp_lib, only: omp_get_max_threads
    implicit none(type, external)
    private
-   public :: engine, start_engine, engine_step, engine_energy, couples_bodies, threads_used
+   public :: engine, start_engine, engine_step, engine_energy, couples_bodies, &
+      number_bodies, threads_used
 
    !> What does not change during a run.
    type :: engine
       type(poinsot_plan) :: plan
+      logical :: numbered = .false.    !! do effects ask for the numbers of bodies?
    end type engine
 
 contains
@@ -57,6 +60,7 @@ contains
       do i = 1, size(scene%effects)
          if (.not. raised(error)) call add_to_plan(scene%effects(i), this%plan, error)
       end do
+      this%numbered = size(scene%effects) > 0
       if (.not. raised(error)) call make_ready(this%plan, error)
    end subroutine start_engine
 
@@ -91,7 +95,7 @@ contains
       type(body_view) :: view
       threads_used = 1
       !$ threads_used = merge(this%plan%threads, omp_get_max_threads(), this%plan%threads > 0)
-      call look(states, view, 1, states%n)
+      call look(states, view)
       threads_used = max(1, min(threads_used, chunk_count(states%n, chunk_length(view, &
          threads_used))))
    end function threads_used
@@ -102,23 +106,39 @@ contains
       couples_bodies = this%plan%coupled
    end function couples_bodies
 
-   !> See the states as the plan does; of all bodies, or of a slice that brings its numbers.
-   subroutine look(states, view, from, to, id)
+   !> See the states as the plan does.
+   subroutine look(states, view)
       type(body_states), intent(in), target :: states
       type(body_view), intent(out) :: view
-      integer, intent(in) :: from, to
-      integer(i8), intent(in), target, optional :: id(:)
-      call view_rows(states%y(:, from:to), states%q(:, from:to), view)
-      view%body_class => states%group(from:to)
-      view%carry => states%carry(:, from:to)
-      view%status => states%status(from:to)
-      if (present(id)) view%id => id
+      call view_rows(states%y, states%q, view)
+      view%body_class => states%group
+      view%carry => states%carry
+      view%status => states%status
+      if (allocated(states%id)) view%id => states%id
    end subroutine look
 
+   !> Number the bodies of a rank that is not the first, if anything depends on their numbers: by
+   !> themselves they would be numbered from 1.
+   subroutine number_bodies(this, states, error)
+      type(engine), intent(in) :: this
+      type(body_states), intent(inout) :: states
+      type(poinsot_error), intent(inout) :: error
+      integer :: i, code
+      if (states%first == 0 .or. .not. this%numbered) return
+      allocate (states%id(states%n), stat=code)
+      if (code /= 0) then
+         call raise(error, poinsot_e_memory, "no memory for the numbers of " // &
+                    text_of(states%n) // " bodies")
+         return
+      end if
+      do i = 1, states%n
+         states%id(i) = int(states%first, i8) + i - 1
+      end do
+   end subroutine number_bodies
+
    !> Steps number `first` to `first + steps - 1` of length h; step k begins at `origin + k h`, so
-   !> that the bits of a run do not depend on where calls cut it. The bodies of this rank only, if
-   !> there are several ranks. Error: POINSOT_E_PARTIAL on all ranks if bodies failed, naming the
-   !> first.
+   !> that the bits of a run do not depend on where calls cut it. With several ranks, all call, each
+   !> for its bodies. Error: POINSOT_E_PARTIAL on all ranks if bodies failed, naming the first.
    subroutine engine_step(this, states, origin, h, first, steps, error, ranks)
       type(engine), intent(in), target :: this
       type(body_states), intent(inout), target :: states
@@ -127,56 +147,31 @@ contains
       type(poinsot_error), intent(inout) :: error
       class(communicator), intent(inout), optional :: ranks
       type(body_view) :: view
-      integer(i8), allocatable, target :: id(:)
-      integer :: status, i, from, to
+      integer(i8) :: failed
+      integer :: status, i
       states%status = poinsot_ok
-      from = 1
-      to = states%n
-      if (present(ranks)) then
-         if (.not. couples_bodies(this)) call slice_of(ranks%number, ranks%size, states%n, from, to)
-      end if
-      status = poinsot_ok
-      if (to >= from) then
-         if (from > 1) id = [(int(i, i8) - 1, i=from, to)]
-         if (from > 1) then
-            call look(states, view, from, to, id)
-         else
-            call look(states, view, from, to)
-         end if
+      if (states%n > 0) then
+         call look(states, view)
          call step_bodies(this%plan, view, origin, h, first, steps, status, error)
       end if
-      if (present(ranks)) then
-         if (ranks%size > 1) call join(ranks, this, states, status, error)
-      end if
-      if (raised(error) .or. status == poinsot_ok) return
-      do i = 1, states%n - 1
-         if (states%status(i) /= poinsot_ok) exit
+      if (present(ranks)) call ranks%share_error(error)
+      if (raised(error)) return
+      failed = count(states%status /= poinsot_ok, kind=i8)
+      if (present(ranks)) failed = ranks%sum_over_ranks(failed)
+      if (failed == 0) return
+      do i = 1, states%n
+         if (states%status(i) == poinsot_ok) cycle
+         call raise(error, poinsot_e_partial, text_of(failed) // " of " // text_of(states%total) &
+                 // " bodies failed between t = " // text_of(origin + real(first, dp)*h) // &
+                 " and " // text_of(origin + real(first + steps, dp)*h) // &
+                 "; the first is body " // text_of(states%first + i) // ": " // &
+                 status_text(states%status(i)))
+         exit
       end do
-      call raise(error, poinsot_e_partial, text_of(count(states%status /= poinsot_ok)) // &
-                 " of " // text_of(states%n) // " bodies failed between t = " // text_of(origin + &
-                 real(first, dp)*h) // " and " // text_of(origin + real(first + steps, dp)*h) // &
-                 "; the first is body " // text_of(i) // ": " // status_text(states%status(i)))
+      if (present(ranks)) call ranks%share_error(error)
    end subroutine engine_step
 
-   !> What went wrong on any rank is known to all; bodies that failed, with their states.
-   subroutine join(ranks, this, states, status, error)
-      class(communicator), intent(inout) :: ranks
-      type(engine), intent(in) :: this
-      type(body_states), intent(inout) :: states
-      integer, intent(inout) :: status
-      type(poinsot_error), intent(inout) :: error
-      integer :: code
-      code = ranks%max_over_ranks(error%code)
-      if (code /= poinsot_ok) then
-         if (.not. raised(error)) call raise(error, code, "another rank failed: " // &
-            status_text(code))
-         return
-      end if
-      status = ranks%max_over_ranks(status)
-      if (status /= poinsot_ok .and. .not. couples_bodies(this)) call ranks%allgather(states)
-   end subroutine join
-
-   !> Energies of all bodies at time t.
+   !> Energies of the bodies of this rank at time t.
    subroutine engine_energy(this, states, t, kinetic, potential, error)
       type(engine), intent(in), target :: this
       type(body_states), intent(inout), target :: states
@@ -186,7 +181,8 @@ contains
       type(body_view) :: view
       integer :: status
       states%status = poinsot_ok
-      call look(states, view, 1, states%n)
+      if (states%n == 0) return
+      call look(states, view)
       call body_energies(this%plan, view, t, kinetic, potential, status, error)
       if (status /= poinsot_ok .and. .not. raised(error)) then
          call raise(error, poinsot_e_partial, "some bodies have no energy at t = " // text_of(t))

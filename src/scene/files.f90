@@ -8,10 +8,11 @@ module poinsot_scene_files
    use poinsot_core_status, only: poinsot_e_io
    implicit none(type, external)
    private
-   public :: out_file, open_out, put, flush_out, finish_out, is_open
+   public :: out_file, open_out, put, put_text, flush_out, finish_out, is_open
+   public :: take_name, unfinished
    public :: make_folder, remove_file, file_exists, is_folder, real_path
 
-   character(*), parameter :: unfinished = ".part"
+   character(*), parameter :: unfinished = ".part" !! behind the name of a file that is not whole
 
    !> A text file being written.
    type :: out_file
@@ -154,13 +155,19 @@ contains
       type(out_file), intent(in) :: file !! open
       character(*), intent(in) :: line
       type(poinsot_error), intent(inout) :: error
+      call put_text(file, line // c_new_line, error)
+   end subroutine put
+
+   !> Text that brings its ends of lines. Error: POINSOT_E_IO; nothing is written after an error.
+   subroutine put_text(file, text, error)
+      type(out_file), intent(in) :: file !! open
+      character(*), intent(in) :: text
+      type(poinsot_error), intent(inout) :: error
       integer(c_size_t) :: length
       if (raised(error)) return
-      length = len(line, c_size_t) + 1
-      if (c_fwrite(line // c_new_line, 1_c_size_t, length, file%handle) /= length) then
-         call no_room(file, error)
-      end if
-   end subroutine put
+      length = len(text, c_size_t)
+      if (c_fwrite(text, 1_c_size_t, length, file%handle) /= length) call no_room(file, error)
+   end subroutine put_text
 
    subroutine no_room(file, error)
       type(out_file), intent(in) :: file
@@ -188,12 +195,18 @@ contains
       code = c_fclose(file%handle)
       file%handle = c_null_ptr
       if (raised(error)) return
-      if (code /= 0) then
-         call no_room(file, error)
-      else if (c_rename(file%path // unfinished // c_null_char, file%path // c_null_char) /= 0) then
-         call raise(error, poinsot_e_io, &
-                    file%path // ": cannot be renamed from " // file%path // unfinished)
-      end if
+      if (code /= 0) call no_room(file, error)
+      call take_name(file%path, error)
    end subroutine finish_out
+
+   !> A file that is whole takes its name, after no error. Error: POINSOT_E_IO.
+   subroutine take_name(path, error)
+      character(*), intent(in) :: path    !! its name from here on
+      type(poinsot_error), intent(inout) :: error
+      if (raised(error)) return
+      if (c_rename(path // unfinished // c_null_char, path // c_null_char) /= 0) then
+         call raise(error, poinsot_e_io, path // ": cannot be renamed from " // path // unfinished)
+      end if
+   end subroutine take_name
 
 end module poinsot_scene_files

@@ -4,43 +4,62 @@ module poinsot_scene_frames
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_rotation_quaternion, only: rotate
    use poinsot_scene_settings, only: scene_settings, body_total
-   use poinsot_scene_states, only: body_states, to_scene_frame
+   use poinsot_scene_states, only: body_states, to_scene_frame, find_group
+   use poinsot_scene_communicator, only: communicator
+   use poinsot_scene_collect, only: collect, row_size
    use poinsot_scene_effects, only: body_positions
-   use poinsot_scene_files, only: out_file, finish_out, is_open
-   use poinsot_scene_trajectory, only: open_csv, write_csv, open_xyz, write_xyz, semi_axes
+   use poinsot_scene_files, only: out_file, finish_out, flush_out, is_open
+   use poinsot_scene_trajectory, only: open_csv, write_csv, open_xyz, begin_xyz, write_xyz, &
+      semi_axes
    implicit none(type, external)
    private
    public :: frame_writer, open_frames, write_frame, finish_frames
 
-   !> Open files and room for the bodies that are written.
+   integer, parameter :: chunk = 4096           !! bodies that are on their way at once
+
+   !> Open files, and what they need.
    type :: frame_writer
       type(out_file) :: csv, xyz
-      integer(i8), allocatable :: bodies(:)     !! their numbers
+      integer(i8), allocatable :: bodies(:)     !! numbers of those written; not allocated: all
+      integer(i8) :: written = 0                !! how many
       real(dp), allocatable :: position(:, :), shape(:, :) !! (3, written), XYZ only
-      real(dp), allocatable :: y(:, :), q(:, :) !! in the scene's frame
    end type frame_writer
 
 contains
 
-   !> Open what the scene asks for; nothing for a scene without &output. Error: POINSOT_E_IO.
-   subroutine open_frames(scene, out, frames, error)
+   !> Open what the scene asks for, on rank 0; nothing for a scene without &output. Error:
+   !> POINSOT_E_IO.
+   subroutine open_frames(scene, out, speaks, frames, error)
       type(scene_settings), intent(in) :: scene !! the typed scene
       character(*), intent(in) :: out
+      logical, intent(in) :: speaks             !! is this rank 0?
       type(frame_writer), intent(inout) :: frames
       type(poinsot_error), intent(inout) :: error
-      integer :: i
       if (.not. scene%output%present) return
+      frames%written = body_total(scene)
       if (size(scene%output%bodies) > 0) then
          frames%bodies = scene%output%bodies
-      else
-         frames%bodies = [(int(i, i8), i=1, int(body_total(scene)))]
+         frames%written = size(frames%bodies, kind=i8)
       end if
-      allocate (frames%y(3, size(frames%bodies)), frames%q(4, size(frames%bodies)))
+      if (.not. speaks) return
       if (scene%output%csv) call open_csv(out // "/trajectory.csv", frames%csv, error)
       if (raised(error) .or. .not. scene%output%extxyz) return
       call open_xyz(out // "/trajectory.xyz", frames%xyz, error)
       call place_bodies(scene, frames)
    end subroutine open_frames
+
+   !> Numbers of the bodies written in places from to to.
+   pure function numbers_of(frames, from, to) result(numbers)
+      type(frame_writer), intent(in) :: frames
+      integer(i8), intent(in) :: from, to
+      integer(i8) :: numbers(to - from + 1)
+      integer(i8) :: i
+      if (allocated(frames%bodies)) then
+         numbers = frames%bodies(from:to)
+      else
+         numbers = [(i, i=from, to)]
+      end if
+   end function numbers_of
 
    !> Positions and semi-axes for OVITO; bodies that nobody placed stand on a cubic grid.
    subroutine place_bodies(scene, frames)
@@ -48,18 +67,18 @@ contains
       type(frame_writer), intent(inout) :: frames
       real(dp), allocatable :: position(:, :)
       real(dp) :: apart
-      integer :: i, j, n, side, group, last
-      n = size(frames%bodies)
+      integer(i8), allocatable :: numbers(:)
+      integer(i8) :: before
+      integer :: i, j, n, side, group
+      n = int(frames%written)
+      numbers = numbers_of(frames, 1_i8, frames%written)
       allocate (frames%position(3, n), frames%shape(3, n))
       call body_positions(scene, position)
-      group = 1
-      last = int(scene%bodies(1)%count)
+      group = 0
+      before = 0
       do i = 1, n
-         do while (frames%bodies(i) > last)
-            group = group + 1
-            last = last + int(scene%bodies(group)%count)
-         end do
-         frames%position(:, i) = position(:, frames%bodies(i))
+         call find_group(scene, numbers(i), group, before)
+         frames%position(:, i) = position(:, numbers(i))
          frames%shape(:, i) = semi_axes(scene%bodies(group)%moments)
       end do
       if (any(abs(position) > 0)) return
@@ -71,37 +90,63 @@ contains
       end do
    end subroutine place_bodies
 
-   !> One frame. Error: POINSOT_E_IO.
-   subroutine write_frame(frames, scene, t, states, kinetic, potential, error)
+   !> One frame, of the bodies of all ranks. All ranks call, rank 0 writes. Error: POINSOT_E_IO, on
+   !> rank 0.
+   subroutine write_frame(frames, scene, t, states, kinetic, potential, ranks, error)
       type(frame_writer), intent(inout) :: frames
       type(scene_settings), intent(in) :: scene           !! the typed scene
       real(dp), intent(in) :: t                           !! time
-      type(body_states), intent(in) :: states             !! of all bodies
-      real(dp), intent(in) :: kinetic(:), potential(:)    !! of all bodies
+      type(body_states), intent(in) :: states             !! of this rank
+      real(dp), intent(in) :: kinetic(:), potential(:)    !! of this rank
+      class(communicator), intent(inout) :: ranks
       type(poinsot_error), intent(inout) :: error
-      integer :: i, k
-      if (.not. allocated(frames%bodies)) return
-      associate (b => frames%bodies)
-         if (is_open(frames%xyz)) then
-            ! the ellipsoid's axes are the principal ones
-            do i = 1, size(b)
-               k = int(b(i))
-               frames%q(:, i) = states%q(:, k)
-               frames%y(:, i) = rotate(states%q(:, k), states%y(:, k))
-            end do
-            call write_xyz(frames%xyz, t, b, frames%position, frames%shape, frames%y, frames%q, &
-                           kinetic(b) + potential(b), error)
-         end if
-         if (raised(error) .or. .not. is_open(frames%csv)) return
-         do i = 1, size(b)
-            k = int(b(i))
-            frames%y(:, i) = states%y(:, k)
-            frames%q(:, i) = states%q(:, k)
-            call to_scene_frame(scene%bodies(states%group(k)), frames%y(:, i), frames%q(:, i))
-         end do
-         call write_csv(frames%csv, t, b, frames%y, frames%q, kinetic(b), potential(b), error)
-      end associate
+      real(dp), allocatable :: rows(:, :)
+      integer(i8), allocatable :: numbers(:)
+      integer(i8) :: from, to
+      if (is_open(frames%xyz)) call begin_xyz(frames%xyz, t, frames%written, error)
+      allocate (rows(row_size, min(int(chunk, i8), frames%written)))
+      do from = 1, frames%written, chunk
+         to = min(frames%written, from + chunk - 1)
+         numbers = numbers_of(frames, from, to)
+         call collect(ranks, states, kinetic, potential, numbers, rows)
+         if (ranks%number == 0) call write_rows(frames, scene, t, from, numbers, rows, error)
+      end do
+      call flush_out(frames%xyz, error)
+      call flush_out(frames%csv, error)
    end subroutine write_frame
+
+   !> Rows of a frame; those of XYZ have the principal axes.
+   subroutine write_rows(frames, scene, t, first, numbers, rows, error)
+      type(frame_writer), intent(in) :: frames
+      type(scene_settings), intent(in) :: scene
+      real(dp), intent(in) :: t
+      integer(i8), intent(in) :: first                    !! place of the first among those written
+      integer(i8), intent(in) :: numbers(:)
+      real(dp), intent(in) :: rows(:, :)
+      type(poinsot_error), intent(inout) :: error
+      real(dp) :: y(3, size(numbers)), q(4, size(numbers))
+      integer(i8) :: before
+      integer :: i, n, group
+      n = size(numbers)
+      if (is_open(frames%xyz)) then
+         do i = 1, n
+            q(:, i) = rows(4:7, i)
+            y(:, i) = rotate(q(:, i), rows(1:3, i))
+         end do
+         call write_xyz(frames%xyz, numbers, frames%position(:, first:first + n - 1), &
+            frames%shape(:, first:first + n - 1), y, q, rows(8, :n) + rows(9, :n), error)
+      end if
+      if (.not. is_open(frames%csv)) return
+      group = 0
+      before = 0
+      do i = 1, n
+         y(:, i) = rows(1:3, i)
+         q(:, i) = rows(4:7, i)
+         call find_group(scene, numbers(i), group, before)
+         call to_scene_frame(scene%bodies(group), y(:, i), q(:, i))
+      end do
+      call write_csv(frames%csv, t, numbers, y, q, rows(8, :n), rows(9, :n), error)
+   end subroutine write_rows
 
    !> Close the files and give them their names. Error: POINSOT_E_IO.
    subroutine finish_frames(frames, error)

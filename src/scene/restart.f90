@@ -4,11 +4,12 @@ module poinsot_scene_restart
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene, poinsot_e_memory
+   use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene
    use poinsot_rotation_quaternion, only: unit_tolerance
    use poinsot_scene_text, only: reason_of, text_of, quoted
    use poinsot_scene_source, only: place
-   use poinsot_scene_files, only: out_file, open_out, put, finish_out
+   use poinsot_scene_communicator, only: communicator
+   use poinsot_scene_states, only: body_states
    implicit none(type, external)
    private
    public :: restart_state, write_restart, read_restart, read_choice, sum_of_kinds
@@ -16,8 +17,12 @@ module poinsot_scene_restart
    integer, parameter :: version = 2        !! version 1 had no tolerance
    character(*), parameter :: magic = "poinsot-restart"
    integer, parameter :: numbers_of_body = 14    !! y, q, carry
+   integer(i8), parameter :: line_length = 17*numbers_of_body !! of a body, with its end
+   integer, parameter :: turn_of_number = 5      !! of the sum, by each number
+   integer, parameter :: chunk = 4096            !! bodies that are text at once
+   character, parameter :: newline = achar(10)
 
-   !> What a run needs to go on.
+   !> What a run needs to go on, beside the states of its bodies.
    type :: restart_state
       character(:), allocatable :: method, splitting !! as run, never `auto`
       real(dp) :: t = 0                    !! time
@@ -28,56 +33,96 @@ module poinsot_scene_restart
       integer(i8) :: seed = 0
       integer(i8) :: kinds = 0             !! `sum_of_kinds`: a continuation must be of the same
                                            !! bodies
-      real(dp), allocatable :: y(:, :)     !! (3, n): principal frame
-      real(dp), allocatable :: q(:, :)     !! (4, n)
-      real(dp), allocatable :: carry(:, :) !! (7, n)
    end type restart_state
 
 contains
 
-   !> Write a restart file under a temporary name, then give it its own. Error: POINSOT_E_IO.
-   subroutine write_restart(path, state, error)
-      character(*), intent(in) :: path !! of the file
+   !> Write a restart file under a temporary name, then give it its own. Every rank writes the lines
+   !> of its own bodies; all ranks call. Error: POINSOT_E_IO, on all.
+   subroutine write_restart(path, state, states, ranks, error)
+      character(*), intent(in) :: path           !! of the file
       type(restart_state), intent(in) :: state
+      type(body_states), intent(in) :: states    !! of this rank's bodies
+      class(communicator), intent(inout) :: ranks
       type(poinsot_error), intent(inout) :: error
-      type(out_file) :: file
-      integer(i8) :: total
-      integer :: i
-      call open_out(path, file, error)
+      character(:), allocatable :: head, text
+      integer(i8) :: total, place, begin
+      integer :: i, k, n
+      head = magic // " " // text_of(version) // newline // &
+         "method " // state%method // newline // "splitting " // state%splitting // newline // &
+         "tolerance " // hex(state%tolerance) // "  " // text_of(state%tolerance) // newline // &
+         "t " // hex(state%t) // "  " // text_of(state%t) // newline // &
+         "h " // hex(state%h) // "  " // text_of(state%h) // newline // &
+         "step " // text_of(state%step) // newline // "seed " // text_of(state%seed) // newline // &
+         "kinds " // digits_of(state%kinds) // newline // &
+         "bodies " // text_of(states%total) // newline
+      call ranks%open_file(path, error)
       if (raised(error)) return
-      call put(file, magic // " " // text_of(version), error)
-      call put(file, "method " // state%method, error)
-      call put(file, "splitting " // state%splitting, error)
-      call put(file, "tolerance " // hex([state%tolerance]) // "  " // &
-         text_of(state%tolerance), error)
-      call put(file, "t " // hex([state%t]) // "  " // text_of(state%t), error)
-      call put(file, "h " // hex([state%h]) // "  " // text_of(state%h), error)
-      call put(file, "step " // text_of(state%step), error)
-      call put(file, "seed " // text_of(state%seed), error)
-      call put(file, "kinds " // digits_of(state%kinds), error)
-      call put(file, "bodies " // text_of(size(state%y, 2)), error)
-      total = start_sum(state)
-      do i = 1, size(state%y, 2)
-         call put(file, hex([state%y(:, i), state%q(:, i), state%carry(:, i)]), error)
-         call add_to_sum(total, [state%y(:, i), state%q(:, i), state%carry(:, i)])
+      if (ranks%number == 0) call ranks%write_at(0_i8, head, error)
+      total = 0
+      begin = len(head, i8)
+      place = begin + line_length*int(states%first, i8)
+      allocate (character(int(line_length)*min(chunk, max(1, states%n))) :: text)
+      do i = 1, states%n, chunk
+         n = min(chunk, states%n - i + 1)
+         do k = 1, n
+            call put_line([states%y(:, i + k - 1), states%q(:, i + k - 1), &
+               states%carry(:, i + k - 1)], text(int(line_length)*(k - 1) + 1:int(line_length)*k))
+            call add_to_sum(total, [states%y(:, i + k - 1), states%q(:, i + k - 1), &
+               states%carry(:, i + k - 1)])
+         end do
+         call ranks%write_at(place, text(:int(line_length)*n), error)
          if (raised(error)) exit
+         place = place + line_length*n
       end do
-      call put(file, "end " // digits_of(total), error)
-      call finish_out(file, error)
+      total = total_of(state, states, total, ranks)
+      place = begin + line_length*int(states%total, i8)
+      head = "end " // digits_of(total) // newline
+      if (ranks%number == 0) call ranks%write_at(place, head, error)
+      call ranks%close_file(error)
    end subroutine write_restart
 
-   !> Bits of each number as 16 hexadecimal digits.
-   pure function hex(values) result(text)
-      real(dp), intent(in) :: values(:)
-      character(:), allocatable :: text
-      character(17) :: digits
-      integer :: i
-      text = ""
+   !> One body's line, with its end.
+   pure subroutine put_line(values, line)
+      real(dp), intent(in) :: values(numbers_of_body)
+      character(line_length), intent(out) :: line
+      character, parameter :: digits(0:15) = ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", &
+         "A", "B", "C", "D", "E", "F"]
+      integer(i8) :: bits
+      integer :: i, k
       do i = 1, size(values)
-         write (digits, "(z16.16)") transfer(values(i), 0_i8)
-         if (i > 1) text = text // " "
-         text = text // digits(:16)
+         bits = transfer(values(i), bits)
+         do k = 17*i - 1, 17*i - 16, -1
+            line(k:k) = digits(iand(bits, 15_i8))
+            bits = shiftr(bits, 4)
+         end do
+         line(17*i:17*i) = " "
       end do
+      line(line_length:) = newline
+   end subroutine put_line
+
+   !> The sum of all ranks' bodies from the sum of each: the bits of a number are turned on by all
+   !> numbers behind it.
+   integer(i8) function total_of(state, states, own, ranks) result(total)
+      type(restart_state), intent(in) :: state
+      type(body_states), intent(in) :: states
+      integer(i8), intent(in) :: own
+      class(communicator), intent(inout) :: ranks
+      total = ishftc(own, turns_of(states%total - states%first - states%n))
+      total = ieor(ranks%xor_over_ranks(total), ishftc(start_sum(state), turns_of(states%total)))
+   end function total_of
+
+   !> By how much so many bodies turn the sum.
+   pure integer function turns_of(bodies)
+      integer, intent(in) :: bodies
+      turns_of = int(mod(turn_of_number*numbers_of_body*int(bodies, i8), 64_i8))
+   end function turns_of
+
+   !> Bits of a number as 16 hexadecimal digits.
+   pure function hex(value) result(text)
+      real(dp), intent(in) :: value
+      character(16) :: text
+      text = digits_of(transfer(value, 0_i8))
    end function hex
 
    !> 16 hexadecimal digits.
@@ -105,7 +150,7 @@ contains
       real(dp), intent(in) :: values(:)
       integer :: i
       do i = 1, size(values)
-         total = ieor(ishftc(total, 5), transfer(values(i), 0_i8))
+         total = ieor(ishftc(total, turn_of_number), transfer(values(i), 0_i8))
       end do
    end subroutine add_to_sum
 
@@ -116,24 +161,30 @@ contains
       if (state%tolerance > 0) call add_to_sum(total, [state%tolerance])
    end function start_sum
 
-   !> Read a restart file. Error: POINSOT_E_IO if it cannot be read, POINSOT_E_SCENE if it is none,
-   !> of another version, truncated, changed, or of another number of bodies.
-   subroutine read_restart(path, bodies, kinds, state, error)
+   !> Read a restart file: its beginning by all ranks, of the bodies each its own. All ranks call.
+   !> Error: POINSOT_E_IO if it cannot be read, POINSOT_E_SCENE if it is none, of another version,
+   !> truncated, changed, or of other bodies; on all ranks.
+   subroutine read_restart(path, kinds, state, states, ranks, error)
       character(*), intent(in) :: path            !! of the file
-      integer(i8), intent(in) :: bodies           !! how many the scene has
-      integer(i8), intent(in) :: kinds            !! their `sum_of_kinds`
+      integer(i8), intent(in) :: kinds            !! `sum_of_kinds` of the scene's bodies
       type(restart_state), intent(out) :: state
+      type(body_states), intent(inout) :: states  !! of this rank: which they are; receives them
+      class(communicator), intent(inout) :: ranks
       type(poinsot_error), intent(inout) :: error
       integer :: unit, code
+      integer(i8) :: place
       character(200) :: reason
-      open (newunit=unit, file=path, action="read", status="old", iostat=code, iomsg=reason)
+      open (newunit=unit, file=path, action="read", status="old", access="stream", &
+            form="formatted", iostat=code, iomsg=reason)
       if (code /= 0) then
          call raise(error, poinsot_e_io, path // ": cannot be opened: " // reason_of(reason))
-         return
+      else
+         call read_head(unit, path, int(states%total, i8), kinds, state, error)
+         inquire (unit=unit, pos=place)
+         close (unit)
       end if
-      call read_head(unit, path, bodies, kinds, state, error)
-      if (.not. raised(error)) call read_bodies(unit, path, int(bodies), state, error)
-      close (unit)
+      call ranks%share_error(error)
+      if (.not. raised(error)) call read_bodies(path, place - 1, state, states, ranks, error)
    end subroutine read_restart
 
    !> Method, splitting and step of a restart file: what a scene that leaves them to `auto` goes on
@@ -274,64 +325,90 @@ contains
       real(dp), intent(out) :: values(:)
       logical, intent(out) :: good
       integer(i8) :: bits
-      integer :: i, at
+      integer :: i, k, digit
       values = 0
       good = .false.
+      if (len(text) < 17*size(values) - 1) return
       do i = 1, size(values)
-         at = 17*(i - 1)
-         if (len(text) < at + 16) return
-         if (verify(text(at + 1:at + 16), "0123456789ABCDEFabcdef") > 0) return
-         read (text(at + 1:at + 16), "(z16)") bits
+         bits = 0
+         do k = 17*i - 16, 17*i - 1
+            digit = digit_of(text(k:k))
+            if (digit < 0) return
+            bits = ior(shiftl(bits, 4), int(digit, i8))
+         end do
          values(i) = transfer(bits, 0.0_dp)
+         if (i < size(values)) then
+            if (text(17*i:17*i) /= " ") return
+         end if
       end do
       good = len_trim(text) == 17*size(values) - 1
    end subroutine from_hex
 
-   !> The bodies, the sum, and nothing after it.
-   subroutine read_bodies(unit, path, n, state, error)
-      integer, intent(in) :: unit, n
+   !> Value of a hexadecimal digit; -1 if it is none.
+   pure integer function digit_of(letter)
+      character, intent(in) :: letter
+      digit_of = -1
+      select case (letter)
+      case ("0":"9")
+         digit_of = iachar(letter) - iachar("0")
+      case ("A":"F")
+         digit_of = iachar(letter) - iachar("A") + 10
+      case ("a":"f")
+         digit_of = iachar(letter) - iachar("a") + 10
+      end select
+   end function digit_of
+
+   !> The bodies and the sum.
+   subroutine read_bodies(path, begin, state, states, ranks, error)
       character(*), intent(in) :: path
-      type(restart_state), intent(inout) :: state
+      integer(i8), intent(in) :: begin     !! where the first body's line is, from 0
+      type(restart_state), intent(in) :: state
+      type(body_states), intent(inout) :: states
+      class(communicator), intent(inout) :: ranks
       type(poinsot_error), intent(inout) :: error
-      character(17*numbers_of_body + 8) :: text
-      character(:), allocatable :: word
+      character(:), allocatable :: text
+      character(20) :: last
       real(dp) :: values(numbers_of_body)
       integer(i8) :: total
-      integer :: i, code, line
+      integer :: i, k, n, line
       logical :: good
-      allocate (state%y(3, n), stat=code)
-      if (code == 0) allocate (state%q(4, n), stat=code)
-      if (code == 0) allocate (state%carry(7, n), stat=code)
-      if (code /= 0) then
-         call raise(error, poinsot_e_memory, path // ": no memory for " // text_of(n) // " bodies")
-         return
-      end if
-      total = start_sum(state)
-      do i = 1, n
-         line = state%head_lines + i
-         read (unit, "(a)", iostat=code) text
-         good = code == 0
-         if (good) call from_hex(trim(text), values, good)
-         if (good) good = all(ieee_is_finite(values))
-         if (good) good = all(abs(values(4:7)) < 2)
-         if (good) good = abs(norm2(values(4:7)) - 1) <= unit_tolerance
-         if (.not. good) then
-            call bad(path, line, "body " // text_of(i) // " of " // text_of(n) // &
-                     " is missing or damaged", error)
-            return
-         end if
-         state%y(:, i) = values(1:3)
-         state%q(:, i) = values(4:7)
-         state%carry(:, i) = values(8:14)
-         call add_to_sum(total, values)
+      total = 0
+      allocate (character(int(line_length)*min(chunk, max(1, states%n))) :: text)
+      do i = 1, states%n, chunk
+         n = min(chunk, states%n - i + 1)
+         call ranks%read_at(path, begin + line_length*(states%first + i - 1), &
+                            text(:int(line_length)*n), error)
+         do k = 1, n
+            if (raised(error)) exit
+            call from_hex(text(int(line_length)*(k - 1) + 1:int(line_length)*k - 1), values, good)
+            if (good) good = text(int(line_length)*k:int(line_length)*k) == newline
+            if (good) good = all(ieee_is_finite(values))
+            if (good) good = all(abs(values(4:7)) < 2)
+            if (good) good = abs(norm2(values(4:7)) - 1) <= unit_tolerance
+            if (.not. good) then
+               line = states%first + i + k - 1
+               call bad(path, state%head_lines + line, "body " // text_of(line) // " of " // &
+                        text_of(states%total) // " is missing or damaged", error)
+               exit
+            end if
+            states%y(:, i + k - 1) = values(1:3)
+            states%q(:, i + k - 1) = values(4:7)
+            states%carry(:, i + k - 1) = values(8:14)
+            call add_to_sum(total, values)
+         end do
       end do
-      line = state%head_lines + n
-      call next(unit, path, "end", line, word, error)
+      call ranks%share_error(error)
       if (raised(error)) return
-      if (word /= digits_of(total)) then
+      total = total_of(state, states, total, ranks)
+      line = state%head_lines + states%total + 1
+      call ranks%read_at(path, begin + line_length*states%total, last, error)
+      if (last(:4) /= "end ") then
+         call bad(path, line, "the file ends where ""end"" is expected", error)
+      else if (last(5:) /= digits_of(total)) then
          call bad(path, line, "the sum at the end is not that of the numbers: the file was " // &
                   "changed or damaged", error)
       end if
+      call ranks%share_error(error)
    end subroutine read_bodies
 
    subroutine bad(path, line, message, error)

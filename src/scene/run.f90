@@ -10,10 +10,10 @@ module poinsot_scene_run
    use poinsot_scene_schedule, only: piece, piece_count, get_piece, whole_steps
    use poinsot_scene_states, only: body_states, first_states
    use poinsot_scene_engine, only: engine, start_engine, engine_step, engine_energy, &
-      couples_bodies, &
-      threads_used
-   use poinsot_scene_communicator, only: communicator
-   use poinsot_scene_drift, only: start_drift, follow_drift
+      couples_bodies, number_bodies, threads_used
+   use poinsot_scene_collect, only: collect, row_size
+   use poinsot_scene_communicator, only: communicator, slice_of
+   use poinsot_scene_drift, only: start_drift, start_energy, follow_drift
    use poinsot_scene_files, only: make_folder, file_exists
    use poinsot_scene_folder, only: check_inputs, clear_folder
    use poinsot_scene_frames, only: frame_writer, open_frames, write_frame, finish_frames
@@ -29,12 +29,15 @@ module poinsot_scene_run
 
    real(dp), parameter :: first_chunk = 1e5_dp  !! body-steps before the first look at the watch
    real(dp), parameter :: short = 0.05_dp, long = 0.4_dp !! seconds between two looks
+   integer(i8), parameter :: small_run = 1000     !! bodies: all are compared at the end
    integer(i8), parameter :: processed_chunk = 64 !! at least: its processor costs some steps
 
-   !> Everything a run holds.
+   !> Everything a rank holds.
    type :: run_state
       type(engine) :: engine
-      type(body_states) :: states, begin
+      class(communicator), allocatable :: holders !! among whom the bodies are shared out
+      logical :: writes = .true.                  !! has this rank part in what is written?
+      type(body_states) :: states
       type(frame_writer) :: frames
       type(view_writer) :: view
       real(dp), allocatable :: kinetic(:), potential(:)
@@ -49,7 +52,8 @@ contains
    !> Errors: POINSOT_E_IO, POINSOT_E_MEMORY, POINSOT_E_SCENE (restart file), POINSOT_E_PARTIAL and
    !> others of the engine (numerical failure). After every error but a failing disk the summary
    !> says that the run is not complete.
-   !> With several ranks, each steps a slice of the bodies; every rank calls, rank 0 writes.
+   !> With several ranks, each holds and steps a slice of the bodies; every rank calls, rank 0
+   !> writes, but for the restart file, which all write.
    subroutine run_scene(scene, out, watch, report, error, ranks)
       type(scene_settings), intent(in) :: scene    !! the typed scene
       character(*), intent(in) :: out              !! folder for the output
@@ -74,6 +78,7 @@ contains
       type(run_report), intent(out) :: report
       type(poinsot_error), intent(inout) :: error
       type(run_state) :: run
+      type(body_states) :: whole
       type(poinsot_error) :: closing
       real(dp) :: begun
       begun = wall_clock()
@@ -83,15 +88,15 @@ contains
       report%restart = ""
       report%branch = ""
       call prepare(scene, out, ranks, run, report, error)
-      call agree(ranks, error)
       if (raised(error)) return
       call integrate(scene, run, watch, ranks, report, error)
-      if (.not. raised(error)) call gather(ranks, run)
       if (.not. raised(error)) call check_end(run, error)
-      if (ranks%number > 0) return
+      if (.not. run%writes) return
+      call whole_states(scene, run, whole)
       ! a file that could not be written keeps its .part
       if (error%code == poinsot_e_io) closing = error
       call finish_frames(run%frames, closing)
+      call run%holders%share_error(closing)
       report%t = run%t
       report%all = wall_clock() - begun
       if (raised(error)) then
@@ -104,50 +109,63 @@ contains
          report%reason = "asked to stop"
       else
          report%state = "complete"
-         call compare_end(scene, run%begin, run%states, report)
+         if (ranks%number == 0) call compare_end(scene, whole, report)
       end if
       call clear(closing)
       if (.not. raised(error)) call save_restart(scene, out, run, report, closing)
+      if (ranks%number > 0) return
       if (run%stopped .and. len(report%restart) > 0) then
          report%reason = report%reason // "; continue from " // report%restart
       end if
       if (.not. raised(closing)) then
-         call write_summary(out // "/summary.txt", scene, report, run%states, closing)
+         if (whole%n > 0) then
+            call write_summary(out // "/summary.txt", scene, report, whole, closing)
+         else
+            call write_summary(out // "/summary.txt", scene, report, run%states, closing)
+         end if
       end if
       if (.not. raised(closing)) call write_pictures(scene, out, closing)
       if (.not. raised(closing)) call write_view(run%view, scene, out, closing)
       if (raised(closing) .and. .not. raised(error)) error = closing
    end subroutine run_rank
 
-   !> A state that is no number is no result, whatever the plan said of it.
+   !> A state that is no number is no result, whatever the plan said of it. An error is that of all
+   !> ranks.
    subroutine check_end(run, error)
-      type(run_state), intent(in) :: run
+      type(run_state), intent(inout) :: run
       type(poinsot_error), intent(inout) :: error
       integer :: i
       do i = 1, run%states%n
          if (all(ieee_is_finite(run%states%y(:, i))) .and. &
              all(ieee_is_finite(run%states%q(:, i)))) cycle
          call raise(error, poinsot_e_partial, "at t = " // text_of(run%t) // " the state of body " &
-                    // text_of(i) // " is beyond the range of numbers")
-         return
+                    // text_of(run%states%first + i) // " is beyond the range of numbers")
+         exit
       end do
+      call run%holders%share_error(error)
    end subroutine check_end
 
-   !> An error of any rank is an error of all.
-   subroutine agree(ranks, error)
-      class(communicator), intent(inout) :: ranks
-      type(poinsot_error), intent(inout) :: error
-      integer :: code
-      code = ranks%max_over_ranks(error%code)
-      if (code /= 0 .and. .not. raised(error)) call raise(error, code, "another rank failed")
-   end subroutine agree
-
-   !> All bodies on all ranks.
-   subroutine gather(ranks, run)
-      class(communicator), intent(inout) :: ranks
+   !> All bodies of a small run on rank 0; nothing of a large one.
+   subroutine whole_states(scene, run, whole)
+      type(scene_settings), intent(in) :: scene
       type(run_state), intent(inout) :: run
-      if (ranks%size > 1 .and. .not. couples_bodies(run%engine)) call ranks%allgather(run%states)
-   end subroutine gather
+      type(body_states), intent(out) :: whole
+      type(poinsot_error) :: error
+      real(dp), allocatable :: rows(:, :)
+      integer :: i
+      if (body_total(scene) > small_run) return
+      if (run%holders%size == 1) then
+         whole = run%states
+         return
+      end if
+      allocate (rows(row_size, run%states%total))
+      call collect(run%holders, run%states, run%kinetic, run%potential, &
+         [(int(i, i8), i=1, run%states%total)], rows)
+      if (run%holders%number > 0) return
+      call first_states(scene, whole, error)
+      whole%y = rows(1:3, :)
+      whole%q = rows(4:7, :)
+   end subroutine whole_states
 
    !> Can the scene be run? Makes the plan, runs nothing. Error: whatever the plan refuses.
    subroutine check_scene(scene, error)
@@ -157,8 +175,63 @@ contains
       call start_engine(scene, trial, error)
    end subroutine check_scene
 
-   !> Folder, states, engine, first frame.
+   !> Folder, states, engine, first frame. An error is that of all ranks.
    subroutine prepare(scene, out, ranks, run, report, error)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: out
+      class(communicator), intent(inout) :: ranks
+      type(run_state), intent(inout) :: run
+      type(run_report), intent(inout) :: report
+      type(poinsot_error), intent(inout) :: error
+      report%method = scene%method
+      report%splitting = scene%splitting
+      allocate (communicator :: run%holders)
+      call make_states(scene, out, ranks, run, report, error)
+      call ranks%share_error(error)
+      if (raised(error)) return
+      call continue_from(scene, run, report, error)
+      call ranks%share_error(error)
+      if (raised(error)) return
+      call begin_output(scene, out, ranks, run, report, error)
+      call ranks%share_error(error)
+      if (raised(error)) return
+      call start_energy(run%kinetic, run%potential, run%holders, report%drift)
+      if (.not. run%writes .or. len(scene%from) > 0) return
+      if (writes_start(scene)) call frame(scene, run, report, error)
+      call run%holders%share_error(error)
+   end subroutine prepare
+
+   !> The plan, and the bodies that this rank holds: a slice, or all if they see each other.
+   subroutine make_states(scene, out, ranks, run, report, error)
+      type(scene_settings), intent(in) :: scene
+      character(*), intent(in) :: out
+      class(communicator), intent(in) :: ranks
+      type(run_state), intent(inout) :: run
+      type(run_report), intent(inout) :: report
+      type(poinsot_error), intent(inout) :: error
+      integer :: from, to
+      if (is_auto(scene)) then
+         call raise(error, poinsot_e_method, &
+                    scene%file // ": 'auto' must be resolved before the run (poinsot_study_auto)")
+         return
+      end if
+      call start_engine(scene, run%engine, error)
+      if (raised(error)) return
+      if (ranks%size > 1 .and. .not. couples_bodies(run%engine)) then
+         deallocate (run%holders)
+         allocate (run%holders, source=ranks)
+      end if
+      run%writes = ranks%number == 0 .or. run%holders%size > 1
+      call slice_of(run%holders%number, run%holders%size, int(body_total(scene)), from, to)
+      call first_states(scene, run%states, error, from, to)
+      if (.not. raised(error)) call number_bodies(run%engine, run%states, error)
+      if (raised(error)) return
+      report%threads = threads_used(run%engine, run%states)
+      call check_inputs(scene, out, error)
+   end subroutine make_states
+
+   !> Energies at the start; on rank 0 the folder and the files.
+   subroutine begin_output(scene, out, ranks, run, report, error)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out
       class(communicator), intent(in) :: ranks
@@ -166,43 +239,24 @@ contains
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       integer :: code
-      report%method = scene%method
-      report%splitting = scene%splitting
-      if (is_auto(scene)) then
-         call raise(error, poinsot_e_method, &
-                    scene%file // ": 'auto' must be resolved before the run (poinsot_study_auto)")
-         return
-      end if
-      call first_states(scene, run%states, error)
-      if (.not. raised(error)) call start_engine(scene, run%engine, error)
-      if (.not. raised(error)) report%threads = threads_used(run%engine, run%states)
-      if (.not. raised(error)) call check_inputs(scene, out, error)
-      if (.not. raised(error)) call continue_from(scene, run, report, error)
-      if (raised(error)) return
       allocate (run%kinetic(run%states%n), stat=code)
       if (code == 0) allocate (run%potential(run%states%n), stat=code)
-      if (code == 0 .and. body_total(scene) <= 1000) run%begin = run%states
       if (code == 0) then
          call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
          if (raised(error)) return
-         call start_drift(run%states, run%kinetic, run%potential, report%drift, code)
+         call start_drift(run%states, report%drift, code)
       end if
       if (code /= 0) then
          call raise(error, poinsot_e_memory, scene%file // ": no memory for " // &
                     text_of(run%states%n) // " bodies")
          return
       end if
-      if (ranks%number > 0) return
-      call make_folder(out, error)
-      if (raised(error)) return
-      call clear_folder(scene, out, error)
-      if (raised(error)) return
-      call open_frames(scene, out, run%frames, error)
+      if (ranks%number == 0) call make_folder(out, error)
+      if (ranks%number == 0 .and. .not. raised(error)) call clear_folder(scene, out, error)
+      if (raised(error) .or. .not. run%writes) return
+      call open_frames(scene, out, ranks%number == 0, run%frames, error)
       call open_view(scene, run%view)
-      if (raised(error) .or. len(scene%from) > 0) return
-      if (.not. writes_start(scene)) return
-      call frame(scene, run, report, error)
-   end subroutine prepare
+   end subroutine begin_output
 
    !> Is t = 0 an output time?
    pure logical function writes_start(scene)
@@ -219,7 +273,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(restart_state) :: saved
       if (len(scene%from) == 0) return
-      call read_restart(scene%from, body_total(scene), kinds_of(scene), saved, error)
+      call read_restart(scene%from, kinds_of(scene), saved, run%states, run%holders, error)
       if (raised(error)) return
       if (saved%t >= scene%t_end) then
          call raise(error, poinsot_e_scene, scene%from // ": is at t = " // text_of(saved%t) // &
@@ -241,9 +295,6 @@ contains
       report%splitting = saved%splitting
       if (saved%seed /= scene%seed) report%branch = "branched off at t = " // text_of(saved%t) // &
          ": seed " // text_of(scene%seed) // " from there on, " // text_of(saved%seed) // " before"
-      call move_alloc(saved%y, run%states%y)
-      call move_alloc(saved%q, run%states%q)
-      call move_alloc(saved%carry, run%states%carry)
 
    contains
 
@@ -276,9 +327,8 @@ contains
          call integrate_piece(scene, part, done, run, watch, ranks, report, error)
          if (raised(error) .or. run%stopped) return
          if (part%writes) then
-            call gather(ranks, run)
-            if (ranks%number == 0) call frame(scene, run, report, error)
-            call agree(ranks, error)
+            if (run%writes) call frame(scene, run, report, error)
+            call ranks%share_error(error)
          end if
          if (raised(error)) return
          call watch%report_progress(run%t, scene%t_end)
@@ -338,7 +388,9 @@ contains
          if (run%stopped) return
          steps = min(most, part%steps - done)
          begun = wall_clock()
-         call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error, ranks)
+         call engine_step(run%engine, run%states, origin, part%h, run%step, steps, error, &
+            run%holders)
+         if (run%holders%size == 1) call ranks%share_error(error)
          begun = wall_clock() - begun
          report%stepping = report%stepping + begun
          if (.not. processed) then
@@ -357,22 +409,25 @@ contains
       end do
    end subroutine integrate_piece
 
-   !> Energies, changes, and the frame itself.
+   !> Energies, changes, and the frame itself, by all ranks. An error may be of rank 0 alone.
    subroutine frame(scene, run, report, error)
       type(scene_settings), intent(in) :: scene
       type(run_state), intent(inout) :: run
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
       call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
-      if (raised(error)) return
-      if (.not. (all(ieee_is_finite(run%kinetic)) .and. all(ieee_is_finite(run%potential)))) then
+      if (.not. raised(error) .and. .not. (all(ieee_is_finite(run%kinetic)) .and. &
+          all(ieee_is_finite(run%potential)))) then
          call raise(error, poinsot_e_domain, "at t = " // text_of(run%t) // &
             " the energy is beyond the range of numbers; use other units, or smaller settings")
-         return
       end if
-      call follow_drift(run%states, run%kinetic, run%potential, report%drift)
-      call write_frame(run%frames, scene, run%t, run%states, run%kinetic, run%potential, error)
-      call add_view_frame(run%view, run%t, run%states, run%kinetic, run%potential, report%drift)
+      call run%holders%share_error(error)
+      if (raised(error)) return
+      call follow_drift(run%states, run%kinetic, run%potential, run%holders, report%drift)
+      call write_frame(run%frames, scene, run%t, run%states, run%kinetic, run%potential, &
+         run%holders, error)
+      call add_view_frame(run%view, run%t, run%states, run%kinetic, run%potential, report%drift, &
+         run%holders)
       report%outputs = report%outputs + 1
    end subroutine frame
 
@@ -401,10 +456,7 @@ contains
       saved%step = run%step
       saved%seed = scene%seed
       saved%kinds = kinds_of(scene)
-      saved%y = run%states%y
-      saved%q = run%states%q
-      saved%carry = run%states%carry
-      call write_restart(path, saved, error)
+      call write_restart(path, saved, run%states, run%holders, error)
       if (.not. raised(error)) report%restart = path
    end subroutine save_restart
 

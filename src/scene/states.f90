@@ -12,28 +12,37 @@ module poinsot_scene_states
       random_none, random_thermal
    implicit none(type, external)
    private
-   public :: body_states, first_states, to_scene_frame
+   public :: body_states, first_states, find_group, to_scene_frame
 
-   !> State of all bodies, in the principal frame.
+   !> State of the bodies that this process holds, in the principal frame: number first + 1 to
+   !> first + n of the scene's. One process alone holds all.
    type :: body_states
-      integer :: n = 0
+      integer :: n = 0, first = 0
+      integer :: total = 0                  !! bodies of the scene
       integer(c_int), allocatable :: group(:)  !! (n): which &bodies group, from 1
       integer(c_int), allocatable :: status(:) !! (n): of the last call
       real(dp), allocatable :: y(:, :)      !! (3, n)
       real(dp), allocatable :: q(:, :)      !! (4, n)
       real(dp), allocatable :: carry(:, :)  !! (7, n): compensated sums
+      integer(i8), allocatable :: id(:)     !! (n): their numbers from 0, if they are not 0 to n - 1
    end type body_states
 
 contains
 
    !> Where the bodies begin: as given, or drawn as a function of (seed, number of the body).
    !> Error: POINSOT_E_MEMORY.
-   subroutine first_states(scene, states, error)
+   subroutine first_states(scene, states, error, from, to)
       type(scene_settings), intent(in) :: scene !! the typed scene
-      type(body_states), intent(out) :: states  !! of all bodies
+      type(body_states), intent(out) :: states
       type(poinsot_error), intent(inout) :: error
+      integer, intent(in), optional :: from, to !! the bodies to hold; all, if not there
       integer :: i, n, code, last
-      n = int(body_total(scene))
+      states%total = int(body_total(scene))
+      n = states%total
+      if (present(from) .and. present(to)) then
+         states%first = from - 1
+         n = to - states%first
+      end if
       allocate (states%y(3, n), stat=code)
       if (code == 0) allocate (states%q(4, n), stat=code)
       if (code == 0) allocate (states%carry(7, n), stat=code)
@@ -54,7 +63,7 @@ contains
       end do
    end subroutine first_states
 
-   !> One group, behind the `last` body of the groups before.
+   !> What is held of one group, behind the `last` body of the groups before.
    subroutine fill(bodies, group, seed, last, states)
       type(body_group), intent(in) :: bodies
       integer, intent(in) :: group, last
@@ -63,14 +72,14 @@ contains
       real(dp) :: normal(4)
       integer(i8) :: id
       integer :: j
-      do j = last + 1, last + int(bodies%count)
-         id = int(j, i8)
+      do j = max(1, last + 1 - states%first), min(states%n, last + int(bodies%count) - states%first)
+         id = int(states%first + j, i8)
          states%group(j) = group
          states%y(:, j) = bodies%y
          states%q(:, j) = bodies%q
          if (allocated(bodies%file_q)) then
-            states%y(:, j) = bodies%file_y(:, j - last)
-            states%q(:, j) = bodies%file_q(:, j - last)
+            states%y(:, j) = bodies%file_y(:, id - last)
+            states%q(:, j) = bodies%file_q(:, id - last)
          end if
          if (bodies%random /= random_none) states%q(:, j) = random_quaternion(seed, id)
          if (bodies%turns_y) states%y(:, j) = rotate_back(states%q(:, j), bodies%y_space)
@@ -82,6 +91,22 @@ contains
                            + bodies%rotor
       end do
    end subroutine fill
+
+   !> Which &bodies group a body belongs to; quickly found from the group of its neighbour.
+   pure subroutine find_group(scene, number, group, before)
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      integer(i8), intent(in) :: number         !! of the body, from 1
+      integer, intent(inout) :: group           !! in: any; 0 at first
+      integer(i8), intent(inout) :: before      !! bodies of the groups before
+      if (group == 0 .or. number <= before) then
+         group = 1
+         before = 0
+      end if
+      do while (number > before + scene%bodies(group)%count)
+         before = before + scene%bodies(group)%count
+         group = group + 1
+      end do
+   end subroutine find_group
 
    !> Momentum and attitude of one body as the scene's own frame has them.
    pure subroutine to_scene_frame(bodies, y, q)

@@ -5,11 +5,11 @@ module poinsot_scene_trajectory
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_decimal, only: append_number, append_integer, longest_number
    use poinsot_scene_text, only: text_of
-   use poinsot_scene_files, only: out_file, open_out, put, flush_out, finish_out
+   use poinsot_scene_files, only: out_file, open_out, put
    implicit none(type, external)
    private
    public :: csv_header, csv_row, longest_row, open_csv, write_csv
-   public :: open_xyz, write_xyz, semi_axes
+   public :: open_xyz, begin_xyz, write_xyz, semi_axes
 
    character(*), parameter :: csv_header = &
       "t,body,q0,q1,q2,q3,y1,y2,y3,kinetic,potential,energy" !! the columns of trajectory.csv
@@ -26,7 +26,7 @@ contains
       if (.not. raised(error)) call put(file, csv_header, error)
    end subroutine open_csv
 
-   !> One frame: a row for each body.
+   !> Rows of a frame, one for each body.
    subroutine write_csv(file, t, bodies, y, q, kinetic, potential, error)
       type(out_file), intent(in) :: file      !! open
       real(dp), intent(in) :: t               !! time
@@ -45,7 +45,6 @@ contains
          call put(file, row(:n), error)
          if (raised(error)) return
       end do
-      call flush_out(file, error)
    end subroutine write_csv
 
    !> One row.
@@ -85,11 +84,22 @@ contains
       call open_out(path, file, error)
    end subroutine open_xyz
 
-   !> One frame of extended XYZ, with the column names OVITO maps by itself: `orientation` is a
+   !> Begin a frame of extended XYZ, with the column names OVITO maps by itself: `orientation` is a
    !> quaternion in the order x, y, z, w; `aspherical_shape` the semi-axes of an ellipsoid.
-   subroutine write_xyz(file, t, bodies, position, shape, y, q, energy, error)
+   subroutine begin_xyz(file, t, n, error)
       type(out_file), intent(in) :: file      !! open
       real(dp), intent(in) :: t               !! time
+      integer(i8), intent(in) :: n            !! rows that follow
+      type(poinsot_error), intent(inout) :: error
+      call put(file, text_of(n), error)
+      call put(file, &
+         "Properties=id:I:1:species:S:1:pos:R:3:orientation:R:4:aspherical_shape:R:3" // &
+               ":angular_momentum:R:3:energy:R:1 Time=" // text_of(t) // " pbc=""F F F""", error)
+   end subroutine begin_xyz
+
+   !> Rows of a frame, one for each body.
+   subroutine write_xyz(file, bodies, position, shape, y, q, energy, error)
+      type(out_file), intent(in) :: file      !! open
       integer(i8), intent(in) :: bodies(:)    !! (n): numbers of the bodies, from 1
       real(dp), intent(in) :: position(:, :)  !! (3, n)
       real(dp), intent(in) :: shape(:, :)     !! (3, n): semi-axes
@@ -99,10 +109,6 @@ contains
       type(poinsot_error), intent(inout) :: error
       character(longest_row) :: row
       integer :: i, n
-      call put(file, text_of(size(bodies)), error)
-      call put(file, &
-         "Properties=id:I:1:species:S:1:pos:R:3:orientation:R:4:aspherical_shape:R:3" // &
-               ":angular_momentum:R:3:energy:R:1 Time=" // text_of(t) // " pbc=""F F F""", error)
       do i = 1, size(bodies)
          n = 0
          call append_integer(bodies(i), row, n)
@@ -115,7 +121,6 @@ contains
          call put(file, row(:n), error)
          if (raised(error)) return
       end do
-      call flush_out(file, error)
    end subroutine write_xyz
 
    !> Semi-axes of an even ellipsoid of mass 5 with these moments: a_i^2 = (I_j + I_k - I_i)/2. A

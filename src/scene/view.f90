@@ -2,11 +2,13 @@
 !> language (share/poinsot/view.html); here its data are gathered while the run goes on and put in
 !> their place.
 module poinsot_scene_view
-   use poinsot_core_kinds, only: dp
+   use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_core_version, only: version_text
    use poinsot_body_invariants, only: space_momentum
+   use poinsot_scene_collect, only: collect, row_size
+   use poinsot_scene_communicator, only: communicator
    use poinsot_scene_drift, only: drift_watch
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_integrals, only: integral_list, scene_integrals
@@ -70,20 +72,23 @@ contains
    end function has_page
 
    !> One output more. When there are twice as many as will be written, every other one goes.
-   subroutine add_view_frame(view, t, states, kinetic, potential, drift)
+   !> All ranks call; the frames of rank 0 are the page's.
+   subroutine add_view_frame(view, t, states, kinetic, potential, drift, ranks)
       type(view_writer), intent(inout) :: view
       real(dp), intent(in) :: t                           !! time
-      type(body_states), intent(in) :: states             !! of all bodies, principal axes
-      real(dp), intent(in) :: kinetic(:), potential(:)    !! of all bodies
+      type(body_states), intent(in) :: states             !! of this rank, principal axes
+      real(dp), intent(in) :: kinetic(:), potential(:)    !! of this rank
       type(drift_watch), intent(in) :: drift              !! changes up to here
+      class(communicator), intent(inout) :: ranks
+      real(dp), allocatable :: rows(:, :)
       integer :: k
       if (.not. allocated(view%bodies)) return
-      if (has(view, "rotating")) call follow_turning(view, states, kinetic, potential)
-      associate (b => view%bodies)
-         view%last = view_frame(t, [merge(view%turning_change, drift%energy_change, &
-            has(view, "rotating")), drift%casimir_change, drift%vertical_change], &
-            states%y(:, b), states%q(:, b), kinetic(b), potential(b))
-      end associate
+      if (has(view, "rotating")) call follow_turning(view, states, kinetic, potential, ranks)
+      allocate (rows(row_size, size(view%bodies)), source=0.0_dp)
+      call collect(ranks, states, kinetic, potential, int(view%bodies, i8), rows)
+      view%last = view_frame(t, [merge(view%turning_change, drift%energy_change, &
+         has(view, "rotating")), drift%casimir_change, drift%vertical_change], &
+         rows(1:3, :), rows(4:7, :), rows(8, :), rows(9, :))
       view%seen = view%seen + 1
       if (mod(view%seen - 1, view%stride) /= 0) return
       if (view%n == size(view%frames)) then
@@ -106,20 +111,23 @@ contains
    end function has
 
    !> T + U - W.L of all bodies, against its start.
-   subroutine follow_turning(view, states, kinetic, potential)
+   subroutine follow_turning(view, states, kinetic, potential, ranks)
       type(view_writer), intent(inout) :: view
       type(body_states), intent(in) :: states
       real(dp), intent(in) :: kinetic(:), potential(:)
-      real(dp) :: now, part
+      class(communicator), intent(inout) :: ranks
+      real(dp) :: now, part, sums(3)
       integer :: i
-      now = 0
+      call ranks%sums_before(sums)
       do i = 1, states%n
          part = kinetic(i) + potential(i) - dot_product(view%kept%spin, &
             space_momentum(states%y(:, i), states%q(:, i)))
-         now = now + part
+         sums = sums + [part, abs(kinetic(i)), abs(potential(i))]
       end do
+      call ranks%sums_after(sums)
+      now = sums(1)
       if (view%seen == 0) view%start = now
-      view%size = max(view%size, sum(abs(kinetic)) + sum(abs(potential)))
+      view%size = max(view%size, sums(2) + sums(3))
       if (view%size > 0) view%turning_change = max(view%turning_change, &
                                                    abs(now - view%start)/view%size)
    end subroutine follow_turning

@@ -95,6 +95,9 @@ if(POINSOT_APP)
     install(DIRECTORY share/poinsot/ DESTINATION ${CMAKE_INSTALL_DATADIR}/poinsot COMPONENT app)
   endif()
 endif()
+if(POINSOT_MPI)
+  install(TARGETS poinsot_mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT app)
+endif()
 
 # The Python package has the library once, under the name that programs look for: a wheel has no links. A path taken by dlopen
 # knows no levels; a library without code that needs libpoinsot does.
