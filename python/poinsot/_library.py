@@ -91,6 +91,7 @@ _signatures: dict[str, tuple[Any, ...]] = {  # result, then arguments
     "plan_destroy": (None, c.POINTER(pointer)),
     "plan_add_class": (c.c_int, pointer, pointer, c.POINTER(c.c_int)),
     "plan_add_class_tensor": (c.c_int, pointer, pointer, c.POINTER(c.c_int)),
+    "plan_find_class": (c.c_int, pointer, pointer, c.c_double, c.POINTER(c.c_int)),
     "plan_class_axes": (c.c_int, pointer, c.c_int, pointer),
     "plan_set": (c.c_int, pointer, text, text),
     "plan_add_effect": (c.c_int, pointer, text, text),

@@ -119,6 +119,14 @@ class Plan:
         """Add a kind of body by its inertia tensor, shape (3, 3). y, q and torques of its bodies refer to the tensor's frame."""
         return self._add("plan_add_class_tensor", read("tensor", tensor, (3, 3)).copy())
 
+    def find_class(self, moments: ArrayLike, tolerance: float = 1e-6) -> int:
+        """The number of the class whose moments are nearest to these, axis by axis, or of a new one.
+
+        None is taken that is further off than `tolerance` times the largest moment; of several the first. For moments that
+        were computed from coordinates, where every molecule of water has others. Classes made from tensors are left out.
+        """
+        return self._add("plan_find_class", read("moments", moments, (3,)).copy(), float(tolerance))
+
     def class_axes(self, number: int) -> np.ndarray:
         """Principal axes of a class, as columns, in the frame that it was given in: shape (3, 3)."""
         axes = np.empty((3, 3))
@@ -147,18 +155,17 @@ class Plan:
                 self._ready = True
         return self
 
-    def _add(self, function: str, values: np.ndarray) -> int:
+    def _add(self, function: str, *values: Any) -> int:
         number = c.c_int()
-        self._do(function, values, c.byref(number))
+        self._do(function, *values, c.byref(number), record=(*values, None))
         return number.value
 
-    def _do(self, function: str, *arguments: Any) -> None:
-        """Call a function that changes the plan, and remember it for a copy of the plan."""
+    def _do(self, function: str, *arguments: Any, record: Optional[tuple[Any, ...]] = None) -> None:
+        """Call a function that changes the plan, and remember it for a copy of the plan: with these arguments, or with others."""
         if self._ready:
             raise Error(Status.DOMAIN, "the plan is closed: classes, effects and options are set before the first call on bodies")
         self._check(_call(function, self._one, arguments))
-        self._record.append((function, *(None if function.startswith("plan_add_class") and i else a
-                                         for i, a in enumerate(arguments))))
+        self._record.append((function, *(arguments if record is None else record)))
 
     def _check(self, status: int) -> None:
         if status:

@@ -172,6 +172,19 @@ def test_classes_count_from_0(crowd):
         plan.drift(y, q, 0.2, body_class=np.full(50, 2))
 
 
+def test_find_class():
+    """Moments that differ by rounding are of one class; copies of the plan have the same numbers."""
+    random = np.random.default_rng(6)
+    plan = poinsot.Plan()
+    numbers = [plan.find_class(m*(1 + 1e-9*random.normal(size=3))) for m in np.tile([[1, 2, 2.5], [2.5, 2, 1]], (100, 1))]
+    assert numbers == [0, 1]*100
+    assert plan.find_class([1, 2, 2.6]) == 2 and plan.find_class([1, 2, 2.52], tolerance=0.1) == 0
+    for other in (copy.copy(plan), pickle.loads(pickle.dumps(plan))):
+        assert other.find_class([1, 2, 2.6]) == 2 and other.add_class([1, 1, 1]) == 3
+    with pytest.raises(poinsot.Error, match="tolerance"):
+        plan.find_class([1, 2, 2.5], -1.0)
+
+
 def test_effect_on_a_class():
     plan = poinsot.Plan()
     for _ in range(2):
@@ -270,11 +283,21 @@ def test_tensor_class_keeps_its_frame():
     (lambda: poinsot.Plan(colour="red"), "colour"),
     (lambda: top().add_effect("gravity", centr=[0, 0, 1]), "'centr'.*'centre'"),
     (lambda: top().add_effect("levity"), "levity"),
-    (lambda: poinsot.Plan().drift(*start(), 0.1), "class"),
 ])
 def test_sentences(make, words):
     with pytest.raises(poinsot.Error, match=words):
         make()
+
+
+def test_a_plan_without_classes():
+    """It takes bodies that bring their moments, no others."""
+    wanted = top().drift(*start(), 0.1)
+    plan = poinsot.Plan()
+    y, q = plan.drift(*(a[np.newaxis] for a in start()), 0.1, moments=[[0.6, 0.8, 1.0]])
+    assert abs(y - wanted[0]).max() < 1e-15 and abs(q - wanted[1]).max() < 1e-15
+    with pytest.raises(poinsot.Error, match="1 of 1 bodies failed") as raised:
+        plan.drift(*start(), 0.1)
+    assert raised.value.each.tolist() == [poinsot.Status.DOMAIN]
 
 
 def test_closed_plan():

@@ -347,7 +347,6 @@ contains
    !> Value of a hexadecimal digit; -1 if it is none.
    pure integer function digit_of(letter)
       character, intent(in) :: letter
-      digit_of = -1
       select case (letter)
       case ("0":"9")
          digit_of = iachar(letter) - iachar("0")
@@ -355,6 +354,8 @@ contains
          digit_of = iachar(letter) - iachar("A") + 10
       case ("a":"f")
          digit_of = iachar(letter) - iachar("a") + 10
+      case default
+         digit_of = -1
       end select
    end function digit_of
 

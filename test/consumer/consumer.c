@@ -16,6 +16,7 @@ int main(void)
     size_t i;
 
     REQUIRE(poinsot_version() >= 100);
+    REQUIRE(sizeof(void *) != 8 || sizeof(poinsot_bodies) == 208); /* as the header says */
     REQUIRE(strcmp(poinsot_status_text(POINSOT_OK), "ok") == 0);
     REQUIRE(poinsot_status_text(-7) != NULL);
     REQUIRE(poinsot_method_count() > 0);
