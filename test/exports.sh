@@ -36,6 +36,10 @@ if [ -n "$archive" ]; then
       bad=1
    fi
 fi
+if ! tools/legacy_interface.sh | cmp -s - include/poinsot_legacy.f90; then
+   echo "include/poinsot_legacy.f90 is not what tools/legacy_interface.sh makes of include/poinsot.h: run it"
+   bad=1
+fi
 if nm -D --defined-only "$library" | grep -q 'MOD_poinsot_scene\|poinsot_study'; then
    echo "scene or study is in the library"
    bad=1

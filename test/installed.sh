@@ -93,7 +93,10 @@ legacy_md() { PKG_CONFIG_PATH=$prefix/lib/pkgconfig test/legacy_md.sh "$work/leg
 other_compiler() {
    "$FC" -fsyntax-only -std=f2008 -pedantic -Wall -J $work/build "$prefix/include/poinsot_interface.f90" &&
       "$FC" -J $work/build "$prefix/include/poinsot_interface.f90" test/consumer/interface.f90 -L"$prefix/lib" -lpoinsot \
-         -o $work/build/interface && LD_LIBRARY_PATH=$prefix/lib $work/build/interface
+         -o $work/build/interface && LD_LIBRARY_PATH=$prefix/lib $work/build/interface &&
+      "$FC" -fsyntax-only -std=f2008 -pedantic -Wall -J $work/build "$prefix/include/poinsot_legacy.f90" &&
+      "$FC" -Wall -Werror -ffpe-trap=invalid,zero,overflow -J $work/build "$prefix/include/poinsot_legacy.f90" test/consumer/legacy.f \
+         -L"$prefix/lib" -lpoinsot -o $work/build/legacy && LD_LIBRARY_PATH=$prefix/lib $work/build/legacy
 }
 abuse_sanitized() {
    eval "$CC -std=c99 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined test/c/abuse.c -o $work/build/abuse-s \
