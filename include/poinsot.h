@@ -342,12 +342,19 @@ poinsot_status poinsot_bodies_check(const poinsot_plan *plan, const poinsot_bodi
 /* ---- many bodies: what a host calls every step --------------------------------------------------------------------- */
 
 /* Free rotation of all bodies over h by the plan's method, with built-in wheels (gyrostats) as in poinsot_step; no other effect
- * of the plan acts. */
+ * of the plan acts (drag and thermostat: poinsot_dissipate). */
 poinsot_status poinsot_drift(const poinsot_plan *plan, const poinsot_bodies *bodies, double h);
 
 /* Kick: y += h torque. torque[j][i*stride] is component j for body i, in the frame that the plan says; stride >= 1. */
 poinsot_status poinsot_kick(const poinsot_plan *plan, const poinsot_bodies *bodies, double h,
                             const double *const torque[3], ptrdiff_t stride);
+
+/* The flow of the plan's drag and thermostats over h >= 0, nothing else: what a host that runs its own steps calls in the middle of
+ * kick h/2, drift h/2, dissipate h, drift h/2, kick h/2, which is "baoab". One set of random numbers for each (seed, id, step); with
+ * step = k it is to the bit what step k of poinsot_step does there. It acts on I omega: y, less the momentum of built-in wheels.
+ * Right after it the momenta have the temperature; those at the ends of such steps are cold by O(h^2), whereas attitudes are sampled
+ * best so. h < 0: POINSOT_E_DOMAIN. A plan without such an effect: POINSOT_OK, nothing changed. */
+poinsot_status poinsot_dissipate(const poinsot_plan *plan, const poinsot_bodies *bodies, double h, int64_t step);
 
 /* The host's torques, asked for during poinsot_step. Attitudes come in the host's order and body frames, component j of body i
  * at q[j][i*q_stride]; torques, zero on entry, go to torque[j][i*torque_stride] in the frame that the plan says. The potential
@@ -415,6 +422,9 @@ void poinsot_drift_f_(const int64_t *plan, const int *n, double y[], double q[],
 /* torque(3,n) */
 void poinsot_kick_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *h,
                      const double torque[], int each[], int *status);
+/* As poinsot_dissipate. */
+void poinsot_dissipate_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *h,
+                          const int *step, int each[], int *status);
 /* Steps with the plan's effects, from number `first` on. */
 void poinsot_step_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *t,
                      const double *h, const int *first, const int *steps, int each[], int *status);
@@ -432,7 +442,13 @@ void poinsot_drift_a_f_(const int64_t *plan, const int *n, double y1[], double y
 void poinsot_kick_a_f_(const int64_t *plan, const int *n, double y1[], double y2[], double y3[], double q0[], double q1[],
                        double q2[], double q3[], const int body_class[], const double *h, const double torque1[],
                        const double torque2[], const double torque3[], int each[], int *status);
+void poinsot_dissipate_a_f_(const int64_t *plan, const int *n, double y1[], double y2[], double y3[], double q0[], double q1[],
+                            double q2[], double q3[], const int body_class[], const double *h, const int *step, int each[],
+                            int *status);
 /* The same with the four components of a conjugate momentum. */
+void poinsot_dissipate_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
+                            double q1[], double q2[], double q3[], const int body_class[], const double *h, const int *step,
+                            int each[], int *status);
 void poinsot_drift_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
                         double q1[], double q2[], double q3[], const int body_class[], const double *h, int each[], int *status);
 void poinsot_kick_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],

@@ -37,7 +37,7 @@ module poinsot_interface
       poinsot_plan_add_class_tensor, poinsot_plan_class_axes
    public :: poinsot_plan_set, poinsot_plan_add_effect, poinsot_plan_ready, poinsot_plan_message, &
       poinsot_bodies_check
-   public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, &
+   public :: poinsot_drift, poinsot_kick, poinsot_dissipate, poinsot_step, poinsot_energy, poinsot_momentum, &
       poinsot_degrees_of_freedom
 
    type, bind(c) :: poinsot_bodies
@@ -522,6 +522,14 @@ module poinsot_interface
          type(c_ptr), intent(in) :: torque(3)
          integer(c_intptr_t), value :: stride
       end function poinsot_kick
+
+      integer(c_int) function poinsot_dissipate(plan, bodies, h, step) bind(c)
+         import
+         type(c_ptr), value :: plan
+         type(poinsot_bodies), intent(in) :: bodies
+         real(c_double), value :: h
+         integer(c_int64_t), value :: step
+      end function poinsot_dissipate
 
       integer(c_int) function poinsot_step(plan, bodies, t, h, first, steps, callback, context) &
          bind(c)

@@ -43,6 +43,7 @@ module poinsot
       class_axes, set_option, &
       add_effect, add_ready_effect
    use poinsot_ensemble_rotate, only: rotate_bodies
+   use poinsot_ensemble_dissipate, only: dissipate_bodies
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    use poinsot_free_method, only: free_method, find_method, &
       poinsot_method_count => numbered_method_count, poinsot_method_name => numbered_method
@@ -66,7 +67,7 @@ module poinsot
       poinsot_plan_add_class_tensor, poinsot_plan_class_axes, poinsot_plan_set
    public :: poinsot_plan_add_effect, poinsot_plan_ready
    public :: poinsot_bodies, poinsot_bodies_rows, poinsot_bodies_arrays
-   public :: poinsot_drift, poinsot_kick, poinsot_step, poinsot_energy, poinsot_momentum, &
+   public :: poinsot_drift, poinsot_kick, poinsot_dissipate, poinsot_step, poinsot_energy, poinsot_momentum, &
       poinsot_degrees_of_freedom
    public :: poinsot_torque, poinsot_effect, poinsot_user_torque, poinsot_user_potential
 
@@ -87,6 +88,11 @@ module poinsot
    interface poinsot_step
       module procedure step_long, step_plain
    end interface poinsot_step
+
+   !> Drag and thermostats alone; the step number of either kind of integer.
+   interface poinsot_dissipate
+      module procedure dissipate_long, dissipate_plain
+   end interface poinsot_dissipate
 
 contains
 
@@ -330,6 +336,31 @@ contains
       call kick_bodies(plan, bodies, h, columns, status, error)
       call hand_out_status(status, error)
    end subroutine poinsot_kick
+
+   !> The flow of the plan's drag and thermostats over h, in the middle of a host's own step: kick
+   !> h/2, drift h/2, dissipate h, drift h/2, kick h/2. With step = k to the bit what step k of
+   !> `baoab` does there.
+   subroutine dissipate_long(plan, bodies, h, step, error)
+      type(poinsot_plan), intent(in), target :: plan
+      type(poinsot_bodies), intent(in) :: bodies
+      real(dp), intent(in) :: h                      !! not negative
+      integer(i8), intent(in) :: step                !! number of the step
+      type(poinsot_error), intent(inout) :: error
+      integer :: status
+      if (.not. admitted(error)) return
+      call dissipate_bodies(plan, bodies, h, step, status, error)
+      call hand_out_status(status, error)
+   end subroutine dissipate_long
+
+   !> The same with a number of default kind.
+   subroutine dissipate_plain(plan, bodies, h, step, error)
+      type(poinsot_plan), intent(in), target :: plan
+      type(poinsot_bodies), intent(in) :: bodies
+      real(dp), intent(in) :: h
+      integer, intent(in) :: step
+      type(poinsot_error), intent(inout) :: error
+      call dissipate_long(plan, bodies, h, int(step, i8), error)
+   end subroutine dissipate_plain
 
    !> Steps number first to first + steps - 1 of length h; step k starts at t + k h.
    subroutine step_long(plan, bodies, t, h, first, steps, error, callback)

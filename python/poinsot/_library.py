@@ -100,6 +100,7 @@ _signatures: dict[str, tuple[Any, ...]] = {  # result, then arguments
     "bodies_check": (c.c_int, pointer, c.POINTER(Bodies), text, c.c_size_t),
     "drift": (c.c_int, pointer, c.POINTER(Bodies), c.c_double),
     "kick": (c.c_int, pointer, c.POINTER(Bodies), c.c_double, pointer*3, c.c_ssize_t),
+    "dissipate": (c.c_int, pointer, c.POINTER(Bodies), c.c_double, c.c_int64),
     "step": (c.c_int, pointer, c.POINTER(Bodies), c.c_double, c.c_double, c.c_int64, c.c_int64, TorqueFunction, pointer),
     "energy": (c.c_int, pointer, c.POINTER(Bodies), c.c_double, pointer, pointer),
     "momentum": (c.c_int, pointer, c.POINTER(Bodies), pointer),

@@ -180,6 +180,13 @@ class Plan:
         """Free rotation of all bodies over h by the plan's method, in place; returns (y, q)."""
         return self._change("drift", y, q, bodies, 1, h)
 
+    def dissipate(self, y: np.ndarray, q: np.ndarray, h: float, step: int, **bodies: Any) -> tuple[np.ndarray, np.ndarray]:
+        """What the plan's drag and thermostats do within step number `step` of length h, in place; returns (y, q).
+
+        Between two drifts of h/2 it makes the step of splitting "baoab", to the bit.
+        """
+        return self._change("dissipate", y, q, bodies, 1, h, step)
+
     def kick(self, y: np.ndarray, q: np.ndarray, h: float, torque: ArrayLike, **bodies: Any) -> tuple[np.ndarray, np.ndarray]:
         """y += h torque, in place; torque has the shape (3,) or (n, 3), in the frame of the layout. Returns (y, q)."""
         given = np.asarray(torque, dtype=np.float64)

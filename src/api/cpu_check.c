@@ -201,6 +201,7 @@ CHECKED(size_t, plan_message, (const poinsot_plan *plan, char *buffer, size_t ca
 STATUS(drift, (const poinsot_plan *plan, const poinsot_bodies *bodies, double h), (plan, bodies, h))
 STATUS(kick, (const poinsot_plan *plan, const poinsot_bodies *bodies, double h, const double *const torque[3], ptrdiff_t stride),
        (plan, bodies, h, torque, stride))
+STATUS(dissipate, (const poinsot_plan *plan, const poinsot_bodies *bodies, double h, int64_t step), (plan, bodies, h, step))
 STATUS(step, (const poinsot_plan *plan, const poinsot_bodies *bodies, double t, double h, int64_t first, int64_t steps,
               poinsot_torque *callback, void *context),
        (plan, bodies, t, h, first, steps, callback, context))

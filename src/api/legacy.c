@@ -229,6 +229,13 @@ void poinsot_kick_f_(const int64_t *plan, const int *n, double y[], double q[], 
   if (*status == POINSOT_OK) *status = poinsot_kick(plan_of(plan), &view, *h, components, 3);
 }
 
+void poinsot_dissipate_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *h,
+                          const int *step, int each[], int *status) {
+  poinsot_bodies view;
+  *status = rows(plan, n, y, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_dissipate(plan_of(plan), &view, *h, *step);
+}
+
 void poinsot_step_f_(const int64_t *plan, const int *n, double y[], double q[], const int body_class[], const double *t,
                      const double *h, const int *first, const int *steps, int each[], int *status) {
   poinsot_bodies view;
@@ -287,7 +294,25 @@ void poinsot_kick_a_f_(const int64_t *plan, const int *n, double y1[], double y2
   if (*status == POINSOT_OK) *status = poinsot_kick(plan_of(plan), &view, *h, components, 1);
 }
 
+void poinsot_dissipate_a_f_(const int64_t *plan, const int *n, double y1[], double y2[], double y3[], double q0[], double q1[],
+                            double q2[], double q3[], const int body_class[], const double *h, const int *step, int each[],
+                            int *status) {
+  poinsot_bodies view;
+  double *const y[3] = {y1, y2, y3}, *const q[4] = {q0, q1, q2, q3};
+  *status = arrays(plan, "native", n, y, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_dissipate(plan_of(plan), &view, *h, *step);
+}
+
 /* The same for a conjugate momentum, of four components. */
+void poinsot_dissipate_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
+                            double q1[], double q2[], double q3[], const int body_class[], const double *h, const int *step,
+                            int each[], int *status) {
+  poinsot_bodies view;
+  double *const p[4] = {p0, p1, p2, p3}, *const q[4] = {q0, q1, q2, q3};
+  *status = arrays(plan, "hoomd", n, p, q, body_class, each, &view);
+  if (*status == POINSOT_OK) *status = poinsot_dissipate(plan_of(plan), &view, *h, *step);
+}
+
 void poinsot_drift_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
                         double q1[], double q2[], double q3[], const int body_class[], const double *h, int each[],
                         int *status) {

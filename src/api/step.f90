@@ -15,6 +15,7 @@ module poinsot_api_step
       takes_direct
    use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
+   use poinsot_ensemble_dissipate, only: dissipate_bodies
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    implicit none(type, external)
    private
@@ -220,6 +221,19 @@ contains
       end if
       call kick_bodies(p%plan, view, h, columns, status, error)
    end function kick
+
+   !> Drag and noise of one step.
+   integer(c_int) function dissipate(plan, bodies, h, step) &
+      bind(c, name="poinsot_do_dissipate") result(status)
+      type(c_ptr), value :: plan, bodies     !! const poinsot_plan *, const poinsot_bodies *
+      real(c_double), value :: h
+      integer(c_int64_t), value :: step
+      type(plan_handle), pointer :: p
+      type(body_view) :: view
+      type(poinsot_error) :: error
+      call open_both(plan, bodies, p, view, status)
+      if (status == poinsot_ok) call dissipate_bodies(p%plan, view, h, step, status, error)
+   end function dissipate
 
    !> Steps by the plan's splitting, with its effects and the callback.
    integer(c_int) function step(plan, bodies, t, h, first, steps, callback, context) &

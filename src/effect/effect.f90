@@ -99,7 +99,9 @@ module poinsot_effect_effect
          integer(i8), intent(in) :: seed         !! of the plan
          integer(i8), intent(in) :: id(lanes)    !! of the bodies
          integer(i8), intent(in) :: step         !! number of the step
-         integer, intent(in) :: half             !! 0 before the step, 1 after it
+         integer, intent(in) :: half             !! tells draws of one step apart: 0 before it and
+                                                 !! in its middle, 1 after it, 2 and on: the next
+                                                 !! thermostat's
          real(dp), intent(in) :: q(lanes, 4)     !! attitudes: a torque at them stays valid
          real(dp), intent(inout) :: y(lanes, 3)  !! angular momenta
          real(dp), intent(in), optional :: scale(lanes) !! moments over those of the class; absent:

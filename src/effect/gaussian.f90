@@ -23,7 +23,7 @@ contains
       integer(i8), intent(in) :: seed         !! of the run
       integer(i8), intent(in) :: id(lanes)    !! of the bodies
       integer(i8), intent(in) :: step         !! number of the step: its low 48 bits count
-      integer, intent(in) :: half             !! 0 or 1: before or after the step
+      integer, intent(in) :: half             !! which draw of the step, from 0
       real(dp), intent(out) :: xi(lanes, 3)   !! the numbers
       integer(i8) :: counter(lanes, 4), word(lanes, 4), tag
       real(dp), dimension(lanes) :: u, angle, r1, r2, s, c

@@ -10,10 +10,12 @@ module poinsot_ensemble_check
    use poinsot_free_lane_moments, only: takes_moments
    implicit none(type, external)
    private
-   public :: check_ready, check_moments, to_drift, to_kick, to_step, to_observe
+   public :: check_ready, check_moments, to_drift, to_kick, to_step, to_observe, &
+      to_dissipate
 
    !> What moments of each body's own must be good for.
-   integer, parameter :: to_drift = 1, to_kick = 2, to_step = 3, to_observe = 4
+   integer, parameter :: to_drift = 1, to_kick = 2, to_step = 3, to_observe = 4, &
+      to_dissipate = 5
 
 contains
 
@@ -67,7 +69,7 @@ contains
    subroutine check_moments(plan, view, purpose, error)
       type(poinsot_plan), intent(in) :: plan    !! ready
       type(body_view), intent(in) :: view
-      integer, intent(in) :: purpose            !! to_drift, to_kick, to_step or to_observe
+      integer, intent(in) :: purpose            !! to_drift, to_kick, ... of above
       type(poinsot_error), intent(inout) :: error
       integer :: i
       if (.not. associated(view%moments(1)%of)) return
@@ -98,7 +100,7 @@ contains
       type(poinsot_plan), intent(in) :: plan
       class(effect), intent(in) :: one
       integer, intent(in) :: purpose
-      matters = purpose == to_step
+      matters = purpose == to_step .or. purpose == to_dissipate
       select type (one)
       class is (gyrostat)
          matters = purpose /= to_kick .or. plan%momentum == body_velocity .or. &

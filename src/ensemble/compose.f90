@@ -96,7 +96,8 @@ contains
          call raise(error, poinsot_e_memory, "no memory for the flows of the body classes")
       end if
       if (raised(error)) return
-      plan%free = free_scheme()
+      plan%free = free_scheme(inside=.false.)
+      plan%damped = free_scheme(plan%splitting%middle > 0)
       plan%composition = [(min(c, n), c=1, classes)]
       next = effects
       do c = 1, n
@@ -261,6 +262,8 @@ contains
       type(splitting), pointer :: scheme
       if (size(b%acting%torques) > 0) then
          scheme => plan%splitting
+      else if (b%has_dissipation) then
+         scheme => plan%damped
       else
          scheme => plan%free
       end if

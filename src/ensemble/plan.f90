@@ -59,6 +59,7 @@ module poinsot_ensemble_plan
       logical :: coupled = .false.                !! an effect couples bodies
       ! made when the plan is closed
       type(splitting) :: free                     !! of classes without torque
+      type(splitting) :: damped                   !! of those with drag or a thermostat alone
       type(class_flows), allocatable :: composed(:)
       !! what acts, once for all classes that share it
       integer, allocatable :: composition(:)      !! (classes): which of these

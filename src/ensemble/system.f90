@@ -49,7 +49,8 @@ module poinsot_ensemble_system
    contains
       procedure :: drift => drift_all
       procedure :: kick => kick_all
-      procedure :: dissipative_half_step => dissipate_all
+      procedure :: dissipative_half_step => dissipate_half_all
+      procedure :: dissipate => dissipate_all
    end type ensemble_flows
 
 contains
@@ -67,7 +68,20 @@ contains
       !$omp end parallel do
    end subroutine drift_all
 
-   subroutine dissipate_all(self, h, step, half)
+   subroutine dissipate_all(self, h, step)
+      class(ensemble_flows), intent(inout) :: self
+      real(dp), intent(in) :: h
+      integer(i8), intent(in) :: step
+      integer :: k
+      !$omp parallel do num_threads(self%team) schedule(static) default(none) &
+      !$omp shared(self, h, step) private(k)
+      do k = 1, size(self%at)
+         if (self%at(k)%has_dissipation) call self%at(k)%dissipate(h, step)
+      end do
+      !$omp end parallel do
+   end subroutine dissipate_all
+
+   subroutine dissipate_half_all(self, h, step, half)
       class(ensemble_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       integer(i8), intent(in) :: step
@@ -80,7 +94,7 @@ contains
             step, half)
       end do
       !$omp end parallel do
-   end subroutine dissipate_all
+   end subroutine dissipate_half_all
 
    !> y += b g + c G for all bodies: own torques, pair torques, the host's.
    subroutine kick_all(self, t, b, c)

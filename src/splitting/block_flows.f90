@@ -53,6 +53,7 @@ module poinsot_splitting_block_flows
       procedure :: drift
       procedure :: kick
       procedure :: dissipative_half_step
+      procedure :: dissipate
       procedure :: energies
       procedure :: start_torque
       procedure :: finish_torque
@@ -326,25 +327,40 @@ contains
       end do
    end subroutine mask_massless_axes
 
+   !> All of drag and noise of step number `step`, in one place: one exact flow over h, or several
+   !> as a symmetric composition.
+   subroutine dissipate(self, h, step)
+      class(block_flows), intent(inout) :: self
+      real(dp), intent(in) :: h
+      integer(i8), intent(in) :: step
+      if (size(self%acting%dissipative) == 1) then
+         call self%dissipative_half_step(h, step, 0)
+      else
+         call self%dissipative_half_step(0.5_dp*h, step, 0)
+         call self%dissipative_half_step(0.5_dp*h, step, 1)
+      end if
+   end subroutine dissipate
+
    !> Flows outside the scheme, in reverse order after the step. They act on I omega = y - s, what
-   !> damps and heats a body with a rotor.
+   !> damps and heats a body with a rotor. Each has random numbers of its own.
    subroutine dissipative_half_step(self, h, step, half)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       integer(i8), intent(in) :: step
       integer, intent(in) :: half
-      integer :: i, k, n
+      integer :: i, place, n
       n = size(self%acting%dissipative)
       if (self%class%has_rotor) call add_rotor(-self%class%rotor, self%y)
       do i = 1, n
-         k = self%acting%dissipative(merge(i, n + 1 - i, half == 0))
-         select type (one => self%effects(k)%it)
+         place = merge(i, n + 1 - i, half == 0)
+         select type (one => self%effects(self%acting%dissipative(place))%it)
          class is (flow_effect)
             if (associated(self%own)) then
-               call one%apply(self%class, h, self%seed, self%id, step, half, self%q, self%y, &
-                              self%own%scale)
+               call one%apply(self%class, h, self%seed, self%id, step, half + 2*(place - 1), &
+                              self%q, self%y, self%own%scale)
             else
-               call one%apply(self%class, h, self%seed, self%id, step, half, self%q, self%y)
+               call one%apply(self%class, h, self%seed, self%id, step, half + 2*(place - 1), &
+                              self%q, self%y)
             end if
          end select
       end do

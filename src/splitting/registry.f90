@@ -66,7 +66,7 @@ contains
    !> One step of a splitting as pairs of flows, for a host that moves more than attitudes and so
    !> runs the step itself: for i = 1, 2, ... a kick over kick(i) h, then a drift over drift(i) h; a
    !> zero is no flow. POINSOT_E_METHOD for an unknown name, and for a splitting that is not kicks
-   !> and drifts alone (force gradients, a processor, `taylor`).
+   !> and drifts alone (force gradients, a processor, `taylor`, `baoab`).
    pure subroutine splitting_flows(name, kick, drift, error)
       character(*), intent(in) :: name
       real(dp), allocatable, intent(out) :: kick(:), drift(:)
@@ -75,6 +75,11 @@ contains
       integer :: i, n
       call find_splitting(name, scheme, error)
       if (raised(error)) return
+      if (scheme%middle > 0) then
+         call raise(error, poinsot_e_method, "splitting '" // trim(name) // &
+                    "' is kick 1/2, drift 1/2, poinsot_dissipate 1, drift 1/2, kick 1/2")
+         return
+      end if
       if (scheme%needs_gradient .or. scheme%adaptive .or. size(scheme%enter) > 0) then
          call raise(error, poinsot_e_method, "splitting '" // trim(name) // &
                     "' is not kicks and drifts alone; 'srkn4' and 'srkn6' are")

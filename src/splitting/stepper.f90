@@ -20,6 +20,7 @@ module poinsot_splitting_stepper
       procedure(drift), deferred :: drift
       procedure(kick), deferred :: kick
       procedure :: dissipative_half_step => no_dissipation
+      procedure :: dissipate => no_dissipation_inside
    end type flows
 
    abstract interface
@@ -56,10 +57,19 @@ contains
       integer(i8), intent(in) :: steps      !! how many
       integer(i8) :: k
       do k = first, first + steps - 1
-         if (system%has_dissipation) call system%dissipative_half_step(0.5_dp*h, k, 0)
-         call run_operations(scheme%operations, system, t, h, k)
+         if (.not. system%has_dissipation) then
+            call run_operations(scheme%operations, system, t, h, k)
+         else if (scheme%middle > 0) then
+            call run_operations(scheme%operations(:scheme%middle), system, t, h, k)
+            if (system%halted) return
+            call system%dissipate(h, k)
+            call run_operations(scheme%operations(scheme%middle + 1:), system, t, h, k)
+         else
+            call system%dissipative_half_step(0.5_dp*h, k, 0)
+            call run_operations(scheme%operations, system, t, h, k)
+            if (.not. system%halted) call system%dissipative_half_step(0.5_dp*h, k, 1)
+         end if
          if (system%halted) return
-         if (system%has_dissipation) call system%dissipative_half_step(0.5_dp*h, k, 1)
       end do
    end subroutine run_steps
 
@@ -113,5 +123,13 @@ contains
       associate (unused_1 => self%fresh, unused_2 => h, unused_3 => step, unused_4 => half)
       end associate
    end subroutine no_dissipation
+
+   subroutine no_dissipation_inside(self, h, step)
+      class(flows), intent(inout) :: self
+      real(dp), intent(in) :: h           !! the whole step
+      integer(i8), intent(in) :: step
+      associate (unused_1 => self%fresh, unused_2 => h, unused_3 => step)
+      end associate
+   end subroutine no_dissipation_inside
 
 end module poinsot_splitting_stepper

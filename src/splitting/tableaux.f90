@@ -34,6 +34,7 @@ module poinsot_splitting_tableaux
       integer :: stages = 0 !! free rotations per step, those at both ends counted as one
       logical :: symmetric = .true.
       logical :: needs_gradient = .false.
+      integer :: middle = 0  !! drag and noise act after that many flows; 0: half before, half after
       type(operation), allocatable :: operations(:)
       type(operation), allocatable :: enter(:)   !! at the start: state to kernel's variables
       type(operation), allocatable :: leave(:)   !! at output: kernel's variables to state
@@ -56,6 +57,7 @@ module poinsot_splitting_tableaux
       real(dp) :: gradients(width) = 0    !! c of each, zero for a rotation
       real(dp) :: processor(width) = 0    !! T, K, T, ... from the kernel's variables to the state
       logical :: adaptive = .false.
+      logical :: inside = .false.         !! drag and noise act in the middle, between two flows
    end type tableau
 
    ! Processor of the Takahashi-Imada kernel. The kernel is exp(h (T + U) - h^3/24 [T + U, [T, U]]
@@ -149,6 +151,10 @@ module poinsot_splitting_tableaux
       tableau("taylor", 13, 0, "Jorba, Zou", 2005, &
          "Exp. Math. 14, 99; in two precisions", &
          "any accuracy: steps of any length by `tolerance`", adaptive=.true.), &
+      tableau("baoab", 14, 2, "Leimkuhler, Matthews; Davidchack et al.", 2013, &
+         "J. Chem. Phys. 138, 174102; 142, 144114", &
+         "thermostat: attitudes sampled best in long steps", "K", &
+         reshape([0.5_dp, 0.5_dp], [width], zero), inside=.true.), &
       tableau("saba864", 15, 4, "Blanes, Casas, Farres, Laskar, Makazaga, Murua", 2013, &
          "Appl. Numer. Math. 68, 58, ABA(8,6,4)", &
          "weak torques without gradient, 1e-6 to 1e-10", "T", &
@@ -189,7 +195,12 @@ contains
       row%paper = it%paper
       row%purpose = it%purpose
       row%adaptive = it%adaptive
-      allocate (row%operations, source=both_halves(it%first, used(it%half), it%gradients))
+      if (it%inside) then
+         row%operations = mirrored(alternating(it%first, used(it%half), it%gradients))
+         row%middle = size(row%operations)/2
+      else
+         row%operations = both_halves(it%first, used(it%half), it%gradients)
+      end if
       allocate (row%leave, source=alternating("T", used(it%processor), spread(0.0_dp, 1, width)))
       allocate (row%enter, source=inverse(row%leave))
       row%stages = min(count(row%operations%is_kick), count(.not. row%operations%is_kick))
@@ -213,6 +224,19 @@ contains
       operations = alternating(first, [half, half(n - 1:1:-1)], &
          [gradients(:n), gradients(n - 1:1:-1)])
    end function both_halves
+
+   !> A row without a middle flow from its left half.
+   pure function mirrored(left) result(operations)
+      type(operation), intent(in) :: left(:)
+      type(operation), allocatable :: operations(:)
+      integer :: i, n
+      n = size(left)
+      operations = [left, left(n:1:-1)]
+      do i = n + 1, 2*n
+         operations(i)%node = 1 - operations(i)%node
+         if (.not. operations(i)%is_kick) operations(i)%node = operations(i)%node - operations(i)%b
+      end do
+   end function mirrored
 
    !> T and K in turn. Nodes are summed in quadruple precision, and one that closes the step is
    !> exactly 1: the torque at the end of a step is then the torque at the start of the next, to the
@@ -246,10 +270,13 @@ contains
    end function inverse
 
    !> The scheme of a body without torque: one free rotation, no kick. Its order is the method's.
-   pure function free_scheme() result(row)
+   pure function free_scheme(inside) result(row)
+      logical, intent(in) :: inside   !! in two halves, with drag and noise between them
       type(splitting) :: row
       row = splitting("free", author="Euler", year=1758, stages=1, paper="the free rotation itself")
       row%operations = [operation(.false., 1.0_dp)]
+      if (inside) row%operations = mirrored([operation(.false., 0.5_dp)])
+      if (inside) row%middle = 1
       allocate (row%enter(0), row%leave(0))
    end function free_scheme
 

@@ -185,7 +185,7 @@ contains
       call check_known("splitting", named, all, error)
       splittings = [character(24) :: no_splitting]
       if (raised(error) .or. .not. kind%kicks) return
-      splittings = pack(all, [(is_table(i), i=1, size(all))])
+      splittings = pack(all, [(is_table(i) .and. all(i) /= "baoab", i=1, size(all))])
       if (size(named) > 0) splittings = named
       if (any(splittings == "taylor")) then
          call raise(error, poinsot_e_method, "'taylor' chooses its steps by its tolerance: " // &
