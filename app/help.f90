@@ -239,7 +239,8 @@ contains
          "   members.csv       initial states, and where the reference ends", &
          "   attitude_cost, momentum_cost, attitude_step, energy_drift: pictures", &
          "", &
-         "A thermostat is studied without its noise: two runs with noise are two samples."])
+         "A thermostat is studied without its noise: two runs with noise are two samples. What", &
+         "averages are off by is not judged; splitting baoab is best there."])
    end subroutine help_cost
 
    subroutine put(lines)

@@ -27,6 +27,7 @@ contains
          new_unittest("dissipate-is-the-middle-of-baoab", test_middle), &
          new_unittest("dissipate-touches-whom-it-concerns", test_others), &
          new_unittest("dissipate-refuses", test_refusals), &
+         new_unittest("rates-are-friction-over-moments", test_rate), &
          new_unittest("two-thermostats-are-two", test_two)]
    end subroutine collect_dissipate
 
@@ -170,6 +171,41 @@ contains
       call expect(error, problem%code, poinsot_e_method, "baoab is kicks and drifts alone")
       call expect(error, index(problem%message, "poinsot_dissipate") > 0, problem%message)
    end subroutine test_refusals
+
+   !> One rate damps every kind of body alike, tensor class and wheel included; three damp each
+   !> principal axis by its own, and are three frictions rate I.
+   subroutine test_rate(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(poinsot_plan), target :: plan
+      type(crowd), target :: it, before
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      real(dp), parameter :: rates(3, 2) = reshape([0.7_dp, 0.7_dp, 0.7_dp, 0.2_dp, 1.3_dp, &
+         0.6_dp], [3, 2])
+      character(20), parameter :: texts(2) = [character(20) :: "rate = 0.7", "rate = 0.2 1.3 0.6"]
+      integer, target :: class(bodies)
+      real(dp) :: want(3)
+      integer :: i, k, status
+      do k = 1, 2
+         plan = poinsot_plan()
+         call mixed_plan(plan)
+         call with_effect(plan, "drag", trim(texts(k)))
+         call make_ready(plan, problem)
+         call make_crowd(bodies, it)
+         class = it%class
+         before = it
+         call view_rows(it%y, it%q, view)
+         view%body_class => class
+         call dissipate_bodies(plan, view, h, 1_i8, status, problem)
+         call expect(error, status, poinsot_ok, "drag by a rate")
+         do i = 1, bodies
+            want = exp(-rates(:, k)*h)*before%y(:, i)
+            if (class(i) == tensor .and. k == 2) cycle
+            call expect(error, maxval(abs(it%y(:, i) - want)) < 1e-15_dp, "rate: " // texts(k))
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_rate
 
    !> Two thermostats of one temperature keep it, however weak they are: their noises are not the
    !> same numbers. 19200 nearly independent squares, 5 standard errors.

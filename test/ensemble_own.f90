@@ -45,7 +45,7 @@ module test_ensemble_own
       0.9_dp, 0.4_dp, 0.7_dp, 0.7_dp, 0.0_dp, 0.5_dp, 0.5_dp, 0.8_dp, 0.9_dp, 0.6_dp, 0.9_dp, &
       0.7_dp, 0.7_dp, 0.7_dp], [3, kinds])
    real(dp), parameter :: h = 0.05_dp
-   character(90), parameter :: effects(13) = [character(90) :: "", &
+   character(90), parameter :: effects(15) = [character(90) :: "", &
       "gravity:centre = 0.1, 0.2, 1; weight = 1.3", &
       "field:dipole = 1, 0.2, 0.3; strength = 0.2, 0, 1; motion = rotating; frequency = 3", &
       "gravity_gradient:rate = 0.7", &
@@ -57,7 +57,9 @@ module test_ensemble_own
       "langevin:friction = 0.5, 0.2, 0.1; temperature = 0.4", &
       "gyrostat:rotor = 0.1, 0.3, 0.2; class = 1", &
       "full:drag:friction = 0.1, 0.2, 0.3", &
-      "full:langevin:friction = 0.1, 0.2, 0.3; temperature = 0.4"]
+      "full:langevin:friction = 0.1, 0.2, 0.3; temperature = 0.4", &
+      "langevin:rate = 0.5, 0.2, 0.1; temperature = 0.4", &
+      "full:langevin:rate = 0.1, 0.2, 0.3; temperature = 0.4"]
 
 contains
 

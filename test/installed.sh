@@ -261,6 +261,7 @@ if have pkg-config; then
    expect "example-fortran" same_top "" example/fortran/heavy_top.f90
    expect "example-functions-c" one_turn "-std=c99 -pedantic -Wall -Wextra -Werror" example/c/one_turn.c
    expect "example-functions-fortran" one_turn "" example/fortran/one_turn.f90
+   expect "example-fortran-host" with_shared "" example/fortran/host_arrays.f90
    expect "example-fixed-form" with_shared "" example/fixed/molecules.f
    expect "example-legacy-md" legacy_md
    if have c++; then

@@ -34,3 +34,10 @@ printf '%-12s%s\n' water 32 co2 32 box 15 cutoff 7 equilibrate 300 steps 0 finis
       if (!(coarse > 3*fine && coarse < 5*fine)) { print "the difference is not of second order"; exit 1 }
       if (!(fluctuation[4] < 0.5*fluctuation[3])) { print "srkn4 does not gain"; exit 1 }
    }'
+
+# A thermostat in the middle of the step: its temperature right after the noise, less at the ends of steps.
+printf '%-12s%s\n' water 32 co2 32 box 15 cutoff 7 start start.cfg rotation poinsot friction 20 noise middle step .002 steps 500 print 500 |
+   ./md | grep '^thermostat' | tee heat
+awk '{ gsub(",", ""); ends = $11; after = $15 }
+   END { if (!(after > 0.92*298 && after < 1.08*298)) { print "the thermostat keeps", after, "K, not 298"; exit 1 }
+      if (!(ends < after)) { print "momenta are not cold at the ends of steps"; exit 1 } }' heat

@@ -154,6 +154,9 @@ contains
       call refused("torque", [text_setting("file", "torque.dat")], d, error)
       call refused("drag", [number_setting("friction", [1.0_dp, 2.0_dp])], d, error)
       call refused("drag", [number_setting("friction", [-1.0_dp])], d, error)
+      call refused("drag", [number_setting("rate", [-1.0_dp])], d, error)
+      call refused("drag", [number_setting("friction", [1.0_dp]), number_setting("rate", &
+         [1.0_dp])], d, error)
       call refused("langevin", [number_setting("friction", [1.0_dp]), &
                    number_setting("temperature", [-1.0_dp])], d, error)
       call refused("dipoles", &

@@ -186,7 +186,7 @@ contains
             call one%add_torque(it%class, t, q, g)
          class is (drag)
             do j = 1, 3
-               g(:, j) = g(:, j) - one%friction(j)*w(:, j)
+               g(:, j) = g(:, j) - one%law%values(j)*w(:, j)
             end do
          end select
       end do

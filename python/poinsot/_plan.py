@@ -98,7 +98,7 @@ class Plan:
         self._threads = None if threads is None else operator.index(threads)
         self._lock = threading.Lock()
         self._ready = False
-        self._pace = {"drift": 4e-9, "kick": 2e-9, "step": 4e-8}  # seconds of a body and step, until they are measured
+        self._pace = {"drift": 4e-9, "kick": 2e-9, "dissipate": 1e-8, "step": 4e-8}  # seconds of a body and step, until they are measured
         self._one = _create(1 if self._threads is None else self._threads)
         self._team: Optional[c.c_void_p] = None
         weakref.finalize(self, _destroy, self._one)

@@ -148,6 +148,20 @@ def test_kick_and_drift_are_a_step():
     assert abs(y - wanted[0]).max() < 1e-15 and abs(q - wanted[1]).max() < 1e-15
 
 
+def test_dissipate_is_the_middle_of_baoab(crowd):
+    plan = poinsot.Plan(splitting="baoab", seed=4)
+    plan.add_class([0.6, 0.8, 1.0])
+    plan.add_effect("langevin", rate=1, temperature=0.5)
+    y, q = (a.copy() for a in crowd)
+    plan.drift(y, q, 0.05)
+    plan.dissipate(y, q, 0.1, 6)
+    plan.drift(y, q, 0.05)
+    wanted = plan.step(*(a.copy() for a in crowd), 0.1, first=6)
+    assert np.array_equal(y, wanted[0]) and np.array_equal(q, wanted[1])
+    with pytest.raises(poinsot.Error):
+        plan.dissipate(y, q, -0.1, 6)
+
+
 def test_kick_of_rows(crowd):
     y, q = (a.copy() for a in crowd)
     torque = np.asfortranarray(crowd[0])

@@ -1,15 +1,15 @@
 !> Linear rotational drag: the exact flow of ydot = -gamma J^-1 y, half before and half after each
-!> step.
+!> step, or all of it in the middle of `baoab`.
 module poinsot_effect_drag
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, flow_effect
    use poinsot_effect_terms, only: torque_terms
-   use poinsot_effect_friction, only: get_friction, full_flow, apply_flow, &
-      apply_full_each, decay_rate
+   use poinsot_effect_friction, only: friction_law, friction_keys, get_friction, full_flow, &
+      apply_flow, apply_full_each
    use poinsot_effect_row, only: effect_label, effect_row
-   use poinsot_effect_settings, only: setting, effect_info, number_key, per_axis
+   use poinsot_effect_settings, only: setting, effect_info
    implicit none(type, external)
    private
    public :: drag, drag_label, drag_row
@@ -18,8 +18,7 @@ module poinsot_effect_drag
 
    !> torque = -friction_i omega_i
    type, extends(flow_effect) :: drag
-      real(dp) :: friction(3) = 0  !! torque per angular velocity, about each principal axis
-      real(dp), allocatable :: full(:, :) !! or a matrix, principal frame
+      type(friction_law) :: law
    contains
       procedure :: apply
       procedure :: add_terms
@@ -36,9 +35,7 @@ contains
       row%info%check = "sphere: y exp(-friction t/I); dE/dt = -omega.friction omega"
       row%info%order = 2
       row%info%gradient = .false.
-      allocate (row%info%keys, source=[ &
-                number_key("friction", 1, 3, "required", "torque per angular velocity", &
-                           "drag, the same for all axes or per body axis", per_axis)])
+      allocate (row%info%keys, source=friction_keys("drag"))
       row%make => make_drag
    end function drag_row
 
@@ -49,7 +46,7 @@ contains
       class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(drag) :: new
-      call get_friction(info, settings, new%friction, new%full, error)
+      call get_friction(info, settings, new%law, error)
       if (.not. raised(error)) made = new
    end subroutine make_drag
 
@@ -65,28 +62,29 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
       real(dp), intent(in), optional :: scale(lanes)
-      real(dp) :: decay(3, 3), noise(3, 3)
+      real(dp) :: decay(3, 3), noise(3, 3), x(3)
       integer :: j
       associate (unused_1 => seed, unused_2 => id, unused_3 => step, unused_4 => half, &
          unused_5 => q)
       end associate
       if (present(scale)) then
-         if (allocated(self%full)) then
-            call apply_full_each(class, self%full, h, 0.0_dp, scale, y)
+         if (allocated(self%law%full)) then
+            call apply_full_each(class, self%law, h, 0.0_dp, scale, y)
          else
             do j = 1, 3
-               y(:, j) = exp(-decay_rate(self%friction(j)*class%inverse(j)*h, scale))*y(:, j)
+               y(:, j) = exp(-self%law%decay_each(class, h, j, scale))*y(:, j)
             end do
          end if
          return
       end if
-      if (allocated(self%full)) then
-         call full_flow(class, self%full, h, 0.0_dp, decay, noise)
+      if (allocated(self%law%full)) then
+         call full_flow(class, self%law, h, 0.0_dp, decay, noise)
          call apply_flow(decay, y)
          return
       end if
+      x = self%law%decay(class, h)
       do j = 1, 3
-         y(:, j) = exp(-self%friction(j)*class%inverse(j)*h)*y(:, j)
+         y(:, j) = exp(-x(j))*y(:, j)
       end do
    end subroutine apply
 
@@ -104,17 +102,8 @@ contains
       type(body_class), intent(in) :: class
       type(torque_terms), intent(inout) :: terms
       logical, intent(out) :: served
-      integer :: i
-      associate (unused => class%moments)
-      end associate
       served = .true.
-      if (allocated(self%full)) then
-         terms%friction = terms%friction + self%full
-      else
-         do i = 1, 3
-            terms%friction(i, i) = terms%friction(i, i) + self%friction(i)
-         end do
-      end if
+      terms%friction = terms%friction + self%law%matrix(class)
    end subroutine add_terms
 
 end module poinsot_effect_drag

@@ -103,8 +103,8 @@ contains
          values = settings(i)%values
          return
       end do
-      allocate (values(merge(0, key%least, key%default == "")))
-      call trusted_reals(key%default, values)
+      allocate (values(merge(0, key%least, key%default == "" .or. key%default == "required")))
+      if (size(values) > 0) call trusted_reals(key%default, values)
    end subroutine values_of
 
    subroutine put(key, values, settings)

@@ -2,48 +2,143 @@
 !>
 !> F is diagonal, or a full symmetric matrix: three frictions about axes that are not the principal
 !> ones. With z = J^(-1/2) y the flow of ydot = -F J^-1 y is that of the symmetric matrix
-!> S = J^(-1/2) F J^(-1/2), and noise sqrt(2 kT F) leaves z with variance kT on every axis.
+!> S = J^(-1/2) F J^(-1/2), and noise sqrt(2 kT F) leaves z with variance kT on every axis. A rate
+!> is S itself: F = J^(1/2) S J^(1/2), on principal axes rate I.
 module poinsot_effect_friction
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_domain
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_body_class, only: body_class
-   use poinsot_effect_settings, only: setting, effect_info, get_values
+   use poinsot_effect_settings, only: setting, effect_info, effect_key, get_values, was_given, &
+      number_key, per_axis
    implicit none(type, external)
    private
-   public :: get_friction, full_flow, apply_flow, apply_full_each, decay_rate, lost
+   public :: friction_law, friction_keys, get_friction, full_flow, apply_flow, apply_full_each, &
+      decay_rate, lost
 
    real(dp), parameter :: longest_decay = 1e4_dp !! what is left after it is less than any number
 
+   !> What a user said.
+   type :: friction_law
+      real(dp) :: values(3) = 0           !! about each principal axis
+      real(dp), allocatable :: full(:, :) !! (3, 3), principal frame, allocated if that is not all
+      logical :: by_rate = .false.        !! S; else F
+   contains
+      procedure :: decay
+      procedure :: decay_each
+      procedure :: symmetric
+      procedure :: matrix
+   end type friction_law
+
 contains
 
-   !> One friction or three, none negative; nine are a matrix (column by column) that
+   !> The two keys of which one is given.
+   pure function friction_keys(what) result(keys)
+      character(*), intent(in) :: what    !! "drag", "friction"
+      type(effect_key) :: keys(2)
+      keys(1) = number_key("friction", 1, 3, "required", "torque per angular velocity", &
+                           what // ", the same for all axes or per body axis; or give rate", &
+                           per_axis)
+      keys(2) = number_key("rate", 1, 3, "", "1/time", &
+                           "instead of friction: friction = rate I", per_axis)
+      keys(2)%instead_of = "friction"
+   end function friction_keys
+
+   !> Exponents of the decay over h about each principal axis: friction h/I. About an axis without
+   !> inertia 0.
+   pure function decay(self, class, h) result(x)
+      class(friction_law), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h                 !! positive
+      real(dp) :: x(3)
+      integer :: j
+      x = 0
+      do j = 1, 3
+         if (.not. self%by_rate) then
+            x(j) = self%values(j)*class%inverse(j)*h
+         else if (class%inverse(j) > 0) then
+            x(j) = self%values(j)*h
+         end if
+      end do
+   end function decay
+
+   !> The same about axis j for bodies that are `scale` times as heavy as their class.
+   pure function decay_each(self, class, h, j, scale) result(x)
+      class(friction_law), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: h
+      integer, intent(in) :: j
+      real(dp), intent(in) :: scale(lanes)
+      real(dp) :: x(lanes), all(3)
+      all = self%decay(class, h)
+      x = all(j)
+      if (.not. self%by_rate) x = decay_rate(all(j), scale)
+   end function decay_each
+
+   !> S of a full matrix.
+   pure function symmetric(self, class) result(s)
+      class(friction_law), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp) :: s(3, 3), inverse(3)
+      integer :: j
+      inverse = sqrt(class%inverse)
+      if (self%by_rate) inverse = merge(1.0_dp, 0.0_dp, class%inverse > 0)
+      do j = 1, 3
+         s(:, j) = (inverse*self%full(:, j))*inverse(j)
+      end do
+   end function symmetric
+
+   !> F as a matrix.
+   pure function matrix(self, class) result(f)
+      class(friction_law), intent(in) :: self
+      type(body_class), intent(in) :: class
+      real(dp) :: f(3, 3), root(3)
+      integer :: j
+      f = 0
+      if (allocated(self%full)) then
+         f = self%full
+      else
+         do j = 1, 3
+            f(j, j) = self%values(j)
+         end do
+      end if
+      if (.not. self%by_rate) return
+      root = sqrt(class%moments)
+      do j = 1, 3
+         f(:, j) = (root*f(:, j))*root(j)
+      end do
+   end function matrix
+
+   !> One number or three of either key, none negative; nine are a matrix (column by column) that
    !> poinsot_effect_frame made of three.
-   subroutine get_friction(info, settings, friction, full, error)
+   subroutine get_friction(info, settings, law, error)
       type(effect_info), intent(in) :: info    !! the row of the registry
       type(setting), intent(in) :: settings(:) !! checked against the row
-      real(dp), intent(out) :: friction(3)     !! about each principal axis
-      real(dp), allocatable, intent(out) :: full(:, :) !! (3, 3), allocated if that is not all
+      type(friction_law), intent(out) :: law
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)
-      call get_values(info, settings, "friction", values)
+      character(:), allocatable :: key
+      law%by_rate = was_given(settings, "rate")
+      key = "friction"
+      if (law%by_rate) key = "rate"
+      call get_values(info, settings, key, values)
       if (size(values) == 9) then
-         full = reshape(values, [3, 3])
-         friction = values(1:9:4)
+         law%full = reshape(values, [3, 3])
+         law%values = values(1:9:4)
          return
       end if
-      friction = values(1)
-      if (size(values) == 3) friction = values
-      if (size(values) == 2 .or. any(friction < 0)) then
+      law%values = values(1)
+      if (size(values) == 3) law%values = values
+      if (size(values) == 2 .or. any(law%values < 0)) then
          call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // &
-                    "': key 'friction' takes one number or three, none negative")
+                    "': key '" // key // "' takes one number or three, none negative")
       end if
    end subroutine get_friction
 
    !> y(h) = decay y + noise xi of a full matrix. A zero moment has no part in it.
-   pure subroutine full_flow(class, full, h, temperature, decay, noise, scale)
+   pure subroutine full_flow(class, law, h, temperature, decay, noise, scale)
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: full(3, 3)        !! F, principal frame
+      type(friction_law), intent(in) :: law     !! with a full matrix
       real(dp), intent(in) :: h                 !! positive
       real(dp), intent(in) :: temperature       !! kT
       real(dp), intent(out) :: decay(3, 3), noise(3, 3)
@@ -52,14 +147,12 @@ contains
       integer :: i, j, k
       root = sqrt(class%moments)
       inverse = sqrt(class%inverse)
-      do j = 1, 3
-         s(:, j) = (inverse*full(:, j))*inverse(j)
-      end do
+      s = law%symmetric(class)
       call diagonalise(s, v)
       decay = 0
       do k = 1, 3
          rate = max(s(k, k), 0.0_dp)*h
-         if (present(scale)) rate = decay_rate(rate, scale)
+         if (present(scale) .and. .not. law%by_rate) rate = decay_rate(rate, scale)
          noise(:, k) = sqrt(temperature)*root*v(:, k)*sqrt(lost(rate))
          do j = 1, 3
             do i = 1, 3
@@ -78,9 +171,9 @@ contains
    end function decay_rate
 
    !> The flow of a full matrix for bodies of one shape and different sizes.
-   pure subroutine apply_full_each(class, full, h, temperature, scale, y, xi)
+   pure subroutine apply_full_each(class, law, h, temperature, scale, y, xi)
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: full(3, 3)        !! F, principal frame
+      type(friction_law), intent(in) :: law     !! with a full matrix
       real(dp), intent(in) :: h                 !! positive
       real(dp), intent(in) :: temperature       !! kT
       real(dp), intent(in) :: scale(lanes)      !! moments over those of the class
@@ -89,7 +182,7 @@ contains
       real(dp) :: decay(3, 3), noise(3, 3)
       integer :: l
       do l = 1, lanes
-         call full_flow(class, full, h, temperature, decay, noise, scale(l))
+         call full_flow(class, law, h, temperature, decay, noise, scale(l))
          y(l, :) = matmul(decay, y(l, :))
          if (present(xi)) y(l, :) = y(l, :) + sqrt(scale(l))*matmul(noise, xi(l, :))
       end do

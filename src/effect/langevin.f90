@@ -1,16 +1,16 @@
 !> Langevin thermostat: the exact Ornstein-Uhlenbeck flow on y, half before and half after each
-!> step.
+!> step, or all of it in the middle of `baoab`.
 module poinsot_effect_langevin
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_e_domain
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, flow_effect
-   use poinsot_effect_friction, only: get_friction, full_flow, apply_flow, &
-      apply_full_each, decay_rate, lost
+   use poinsot_effect_friction, only: friction_law, friction_keys, get_friction, full_flow, &
+      apply_flow, apply_full_each, lost
    use poinsot_effect_gaussian, only: gaussian_block
    use poinsot_effect_row, only: effect_label, effect_row
-   use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, per_axis
+   use poinsot_effect_settings, only: setting, effect_info, number_key, get_value
    implicit none(type, external)
    private
    public :: langevin, langevin_label, langevin_row
@@ -19,8 +19,7 @@ module poinsot_effect_langevin
 
    !> dy_i = -friction_i y_i/I_i dt + sqrt(2 kT friction_i) dW
    type, extends(flow_effect) :: langevin
-      real(dp) :: friction(3) = 0     !! torque per angular velocity, about each principal axis
-      real(dp), allocatable :: full(:, :) !! or a matrix, principal frame
+      type(friction_law) :: law
       real(dp) :: temperature = 0     !! kT, an energy
    contains
       procedure :: apply
@@ -34,12 +33,12 @@ contains
       type(effect_row) :: row
       row%info%name = langevin_label%name
       row%info%formula = "y_i -> c y_i + sqrt(kT I_i (1 - c^2)) xi,  c = exp(-friction_i h/I_i)"
-      row%info%check = "<y_i^2/(2 I_i)> = kT/2 on each axis, every kind of body"
+      row%info%check = "<y_i^2/(2 I_i)> = kT/2 on each axis, every kind of body; baoab: " // &
+         "right after the noise, at ends of steps O(h^2) less"
       row%info%order = 2
       row%info%gradient = .false.
       allocate (row%info%keys, source=[ &
-                  number_key("friction", 1, 3, "required", "torque per angular velocity", &
-                             "friction, the same for all axes or per body axis", per_axis), &
+                  friction_keys("friction"), &
                   number_key("temperature", 1, 1, "required", "energy", &
                   "k T, Boltzmann's constant included")])
       row%make => make_langevin
@@ -52,7 +51,7 @@ contains
       class(effect), allocatable, intent(out) :: made !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(langevin) :: new
-      call get_friction(info, settings, new%friction, new%full, error)
+      call get_friction(info, settings, new%law, error)
       if (raised(error)) return
       new%temperature = get_value(info, settings, "temperature")
       if (new%temperature < 0) then
@@ -75,34 +74,34 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
       real(dp), intent(in), optional :: scale(lanes)
-      real(dp) :: xi(lanes, 3), x, width, decay(3, 3), noise(3, 3), rate(lanes)
+      real(dp) :: xi(lanes, 3), x(3), width, decay(3, 3), noise(3, 3), rate(lanes)
       integer :: j
       associate (unused => q)
       end associate
       call gaussian_block(seed, id, step, half, xi)
       if (present(scale)) then
-         if (allocated(self%full)) then
-            call apply_full_each(class, self%full, h, self%temperature, scale, y, xi)
+         if (allocated(self%law%full)) then
+            call apply_full_each(class, self%law, h, self%temperature, scale, y, xi)
             return
          end if
          do j = 1, 3
-            rate = decay_rate(self%friction(j)*class%inverse(j)*h, scale)
+            rate = self%law%decay_each(class, h, j, scale)
             y(:, j) = exp(-rate)*y(:, j) &
                + sqrt(self%temperature*class%moments(j))*sqrt(scale)*sqrt(lost(rate))*xi(:, j)
          end do
          return
       end if
-      if (allocated(self%full)) then
-         call full_flow(class, self%full, h, self%temperature, decay, noise)
+      if (allocated(self%law%full)) then
+         call full_flow(class, self%law, h, self%temperature, decay, noise)
          call apply_flow(decay, y)
          call apply_flow(noise, xi)
          y = y + xi
          return
       end if
+      x = self%law%decay(class, h)
       do j = 1, 3
-         x = self%friction(j)*class%inverse(j)*h
-         width = sqrt(self%temperature*class%moments(j))*sqrt(lost(x))
-         y(:, j) = exp(-x)*y(:, j) + width*xi(:, j)
+         width = sqrt(self%temperature*class%moments(j))*sqrt(lost(x(j)))
+         y(:, j) = exp(-x(j))*y(:, j) + width*xi(:, j)
       end do
    end subroutine apply
 

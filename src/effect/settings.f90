@@ -13,6 +13,7 @@ module poinsot_effect_settings
    public :: setting, effect_key, effect_info, number_key, text_key
    public :: body_vector, class_vectors, per_axis
    public :: check_keys, get_values, get_value, get_text, get_direction, was_given, &
+      is_missing, &
       number_setting, text_setting
 
    !> What frame the numbers of a key are in; "" is space, or none. They are turned when an effect
@@ -42,6 +43,7 @@ module poinsot_effect_settings
       character(16) :: frame = ""        !! one of the words above
       character(12) :: frame_key = ""
       !! a text key that may say 'space': then it is no body vector
+      character(12) :: instead_of = ""   !! a key in whose place it is given, not beside it
    end type effect_key
 
    !> One effect as the registry shows it.
@@ -118,12 +120,37 @@ contains
          if (raised(error)) return
       end do
       do k = 1, size(info%keys)
-         if (info%keys(k)%default /= "required" .or. was_given(settings, &
-            trim(info%keys(k)%name))) cycle
-         call reject(info, info%keys(k), "is required: " // trim(info%keys(k)%meaning), error)
-         return
+         if (is_missing(info, k, settings)) then
+            call reject(info, info%keys(k), "is required: " // trim(info%keys(k)%meaning), error)
+         else if (is_double(info, k, settings)) then
+            call reject(info, info%keys(k), "is given instead of '" // &
+                        trim(info%keys(k)%instead_of) // "', not beside it", error)
+         end if
+         if (raised(error)) return
       end do
    end subroutine check_keys
+
+   !> Is a key required, and neither it nor one in its place given?
+   pure logical function is_missing(info, k, settings)
+      type(effect_info), intent(in) :: info
+      integer, intent(in) :: k                 !! which of its keys
+      type(setting), intent(in) :: settings(:)
+      integer :: i
+      is_missing = info%keys(k)%default == "required"
+      do i = 1, size(info%keys)
+         if (i /= k .and. info%keys(i)%instead_of /= info%keys(k)%name) cycle
+         if (was_given(settings, trim(info%keys(i)%name))) is_missing = .false.
+      end do
+   end function is_missing
+
+   pure logical function is_double(info, k, settings)
+      type(effect_info), intent(in) :: info
+      integer, intent(in) :: k
+      type(setting), intent(in) :: settings(:)
+      is_double = info%keys(k)%instead_of /= ""
+      if (is_double) is_double = was_given(settings, trim(info%keys(k)%name)) .and. &
+         was_given(settings, trim(info%keys(k)%instead_of))
+   end function is_double
 
    pure subroutine check_one(info, key, given, error)
       type(effect_info), intent(in) :: info

@@ -91,6 +91,10 @@ contains
          call row(file, "order at knots", "2: the table of &torque has a knot at t = " // &
                   text_of(knot_within_step(scene)) // ", within a step; let steps end there", error)
       end if
+      if (report%splitting == "baoab" .and. index(effects, "langevin") > 0) then
+         call row(file, "momenta", "are those at ends of steps, which baoab leaves cold by " // &
+                  "O(h^2); attitudes are sampled best so", error)
+      end if
       if (report%splitting == "taylor") call row(file, "tolerance", text_of(scene%tolerance), error)
       if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
       call row(file, "seed", text_of(scene%seed), error)

@@ -5,7 +5,7 @@ module poinsot_scene_typed_group
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_nearest, only: suggestion
    use poinsot_core_number, only: trusted_reals
-   use poinsot_effect_settings, only: effect_info, effect_key, setting
+   use poinsot_effect_settings, only: effect_info, effect_key, setting, is_missing
    use poinsot_scene_text, only: text_of, quoted
    use poinsot_scene_source, only: scene_value, scene_entry, scene_group, reject, &
       value_null, value_number, value_text, value_logical
@@ -232,8 +232,7 @@ contains
          end if
       end do
       do i = 1, size(typed%info%keys)
-         if (typed%info%keys(i)%default /= "required") cycle
-         if (given(typed, trim(typed%info%keys(i)%name))) cycle
+         if (.not. is_missing(typed%info, i, typed%settings)) cycle
          call reject(error, typed%file, typed%line, "&" // typed%name // ": the key """ // &
                      trim(typed%info%keys(i)%name) // """ is required: " // &
                      trim(typed%info%keys(i)%meaning))

@@ -47,7 +47,8 @@ contains
       end if
       call add("reference   " // answer%reference)
       if (answer%noisy) then
-         call add("noise       was off in the trials: errors are of friction and turns")
+         call add("noise       is not judged: it was off in the trials, and errors of " // &
+                  "averages are others; baoab samples attitudes best")
       end if
       if (answer%t_measured < scene%t_end) then
          call add("measured    to t = " // text_of(answer%t_measured) // &

@@ -274,6 +274,11 @@ static void bodies(void) {
   view.status = each;
   CHECK(poinsot_drift(NULL, &view, 0.1) == POINSOT_E_NULL);
   CHECK(poinsot_drift(it, NULL, 0.1) == POINSOT_E_NULL);
+  CHECK(poinsot_dissipate(NULL, &view, 0.1, 1) == POINSOT_E_NULL);
+  CHECK(poinsot_dissipate(it, NULL, 0.1, 1) == POINSOT_E_NULL);
+  CHECK(poinsot_dissipate(it, &view, NAN, 1) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_dissipate(it, &view, -0.1, 1) == POINSOT_E_DOMAIN);
+  CHECK(poinsot_dissipate(it, &view, 0.1, 1) == POINSOT_OK); /* no drag, no noise: nothing to do */
   CHECK(poinsot_kick(NULL, &view, 0.1, pushes, 1) == POINSOT_E_NULL);
   CHECK(poinsot_kick(it, NULL, 0.1, pushes, 1) == POINSOT_E_NULL);
   CHECK(poinsot_kick(it, &view, 0.1, NULL, 1) == POINSOT_E_NULL);
@@ -608,6 +613,33 @@ static void fixed_form(void) {
     CHECK(status == POINSOT_OK);
   }
   poinsot_plan_destroy_f_(&plan);
+  { /* drag in rows, in component arrays, and of conjugate momenta: the same */
+    static const char drag[] = "rate = 0.5";
+    const int what = 4, said = 10, step = 3, four = 4;
+    double p[4][n], w[4][n] = {{1, 1, 1}}, a[3][n];
+    bodies = n;
+    poinsot_plan_create_f_(&plan, &status);
+    poinsot_plan_add_class_f_(&plan, second, &number, &status);
+    poinsot_plan_effect_f_(&plan, "drag", &what, drag, &said, &status);
+    CHECK(status == POINSOT_OK);
+    poinsot_plan_ready_f_(&plan, &status);
+    START(y, q)
+    for (i = 0; i < n; i++) a[0][i] = 0.1, a[1][i] = 0.2, a[2][i] = 0.3;
+    poinsot_dissipate_f_(&plan, &bodies, y[0], q[0], none, &h, &step, each, &status);
+    CHECK(status == POINSOT_OK && fabs(y[0][0] - 0.1 * exp(-0.05)) < 1e-16 && q[2][0] == 1);
+    poinsot_dissipate_a_f_(&plan, &bodies, a[0], a[1], a[2], w[0], w[1], w[2], w[3], none, &h, &step, each, &status);
+    CHECK(status == POINSOT_OK && a[0][0] == y[0][0] && a[1][1] == y[1][1] && a[2][2] == y[2][2]);
+    poinsot_plan_destroy_f_(&plan);
+    poinsot_plan_create_f_(&plan, &status);
+    poinsot_plan_add_class_f_(&plan, second, &number, &status);
+    poinsot_plan_effect_f_(&plan, "drag", &what, drag, &said, &status);
+    poinsot_plan_set_f_(&plan, &(int){3}, &four, &status);
+    poinsot_plan_ready_f_(&plan, &status);
+    for (i = 0; i < n; i++) p[0][i] = 0, p[1][i] = 0.2, p[2][i] = 0.4, p[3][i] = 0.6;
+    poinsot_dissipate_c_f_(&plan, &bodies, p[0], p[1], p[2], p[3], w[0], w[1], w[2], w[3], none, &h, &step, each, &status);
+    CHECK(status == POINSOT_OK && fabs(p[1][0] - 2 * y[0][0]) < 1e-15 && fabs(p[3][2] - 2 * y[2][2]) < 1e-15);
+    poinsot_plan_destroy_f_(&plan);
+  }
 }
 
 /* ---- two threads, one plan ------------------------------------------------------------------------------------------ */
