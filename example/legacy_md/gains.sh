@@ -47,6 +47,18 @@ family co2-own own 1 1 1 4 8 12 16
 family co2-exact poinsot 1 1 1 4 8 12 16
 family co2-exact-srkn4 poinsot 1 6 6 2.666667 4 5.333333
 
+# a thermostat, noise in the middle of a step (baoab) and at its ends; both at equal cost
+: >heat.dat
+for noise in middle ends; do
+   for per in 1 2 3 4 5; do
+      h=$(awk "BEGIN { print $per*1e-3 }")
+      md start water.cfg rotation poinsot friction 5 noise $noise step "$h" steps "$(awk "BEGIN { printf \"%d\", 5*$PS/$h + 0.5 }")" \
+         print 1000000 | awk -v n=$noise -v per=$per '/^thermostat/ { gsub(",", ""); print n, per, $5, $11, $15 }' >>heat.dat
+   done
+done
+echo "noise, step (fs), mean potential energy (10 J/mol a molecule), temperature at ends of steps, after noise in the middle"
+cat heat.dat
+
 # time in rotation: 216 and 1000 molecules, own once and ten times a step, poinsot
 : >time.dat
 for it in "water 216" "thousand 1000"; do

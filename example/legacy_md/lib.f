@@ -6,11 +6,13 @@ C     LIBSET  once, when kinds of molecules are known
 C     LIBSTP  for steps of a higher order than velocity Verlet's
 C     LIBKIK  angular velocities, over H, by the torques
 C     LIBDRF  attitudes and angular velocities, over H, without torques
+C     LIBNOI  friction and noise of step NUMBER, over H
       SUBROUTINE LIBSET
       INCLUDE 'common.inc'
       INTEGER*8 PLAN
       COMMON /LIBROT/ PLAN
       INTEGER K, NUMBER, STATUS
+      CHARACTER*80 TEXT
       CALL POINSOT_PLAN_CREATE_F(PLAN, STATUS)
       CALL LIBERR('a plan', STATUS)
       DO 10 K = 1, MAXKND
@@ -24,6 +26,13 @@ C     LIBDRF  attitudes and angular velocities, over H, without torques
 C     one thread, as the rest of this program
       CALL POINSOT_PLAN_SET_F(PLAN, 6, 1, STATUS)
       CALL LIBERR('threads', STATUS)
+      IF (RATE .GT. 0) THEN
+         WRITE (TEXT, '(A, 1PE23.16, A, E23.16)') 'rate = ', RATE,
+     &      '; temperature = ', BOLTZ*TEMP
+         CALL POINSOT_PLAN_EFFECT_F(PLAN, 'langevin', 8, TEXT, 80,
+     &                              STATUS)
+         CALL LIBERR('the thermostat', STATUS)
+      END IF
       CALL POINSOT_PLAN_READY_F(PLAN, STATUS)
       CALL LIBERR('the plan', STATUS)
       END
@@ -57,6 +66,17 @@ C     The step: kicks and drifts of a splitting by its number
       CALL POINSOT_DRIFT_A_F(PLAN, NMOL, OMX, OMY, OMZ, Q0, Q1, Q2, Q3,
      &                       KIND, H, EACH, STATUS)
       CALL LIBERR('a drift', STATUS)
+      END
+
+      SUBROUTINE LIBNOI(H, NUMBER)
+      INCLUDE 'common.inc'
+      INTEGER*8 PLAN
+      COMMON /LIBROT/ PLAN
+      INTEGER EACH(MAXMOL), STATUS, NUMBER
+      DOUBLE PRECISION H
+      CALL POINSOT_DISSIPATE_A_F(PLAN, NMOL, OMX, OMY, OMZ, Q0, Q1, Q2,
+     &                          Q3, KIND, H, NUMBER, EACH, STATUS)
+      CALL LIBERR('noise', STATUS)
       END
 
 C     Status 0 is well; the others stand in poinsot.h. 9: some molecules

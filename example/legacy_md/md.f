@@ -9,18 +9,20 @@ C     usage: md <input
       INTEGER NSTEP, NPRINT, NEQUIL, I, SEED
       COMMON /CHANCE/ SEED
       CHARACTER*60 FSTART, FEND, FSITES
-      DOUBLE PRECISION H, TEMP
+      DOUBLE PRECISION H
       CALL MODELS
-      CALL INPUT(NSTEP, NPRINT, NEQUIL, H, TEMP, FSTART, FEND, FSITES)
+      CALL INPUT(NSTEP, NPRINT, NEQUIL, H, FSTART, FEND, FSITES)
       IF (2*RCUT .GT. BOX) STOP 'cut-off beyond half the box'
       CALL OWNSET
       CALL FORCES
       IF (FSITES .NE. ' ') CALL SITES(FSITES)
       DO 10 I = 1, NEQUIL
-         CALL COOL(I, TEMP)
+         CALL COOL(I)
    10 CONTINUE
       IF (LIBROT .EQ. 1) CALL LIBSET
       IF (ISPLIT .NE. 1) CALL LIBSTP
+      IF (RATE .GT. 0 .AND. (LIBROT .EQ. 0 .OR. ISPLIT .NE. 1))
+     &   STOP 'friction takes rotation poinsot and no splitting'
       CALL RUN(NSTEP, NPRINT, H)
       IF (FEND .NE. ' ') CALL SAVE(FEND)
       END
@@ -31,9 +33,12 @@ C     NSTEP steps of H with energies; at the end what they say
       INTEGER NSTEP, NPRINT, I, NFORCE
       DOUBLE PRECISION H, T, ET, ER, E, E0, TROT, TFORCE, BEGIN, END
       DOUBLE PRECISION S, SE, SEE, ST, STT, STE, SK, DRIFT, RMS, FREE
-      DOUBLE PRECISION TEMPER
+      DOUBLE PRECISION TEMPER, SP
       LOGICAL FRESH
       FRESH = .TRUE.
+      NSTEPS = 0
+      THOT = 0
+      SP = 0
       TROT = 0
       TFORCE = 0
       NFORCE = 0
@@ -50,8 +55,13 @@ C     NSTEP steps of H with energies; at the end what they say
       WRITE (*, 100) 0, 0D0, ET, ER, POTEN, E0
       CALL CPU_TIME(BEGIN)
       DO 10 I = 1, NSTEP
-         CALL STEP(H, FRESH, TROT, TFORCE, NFORCE)
+         IF (RATE .GT. 0) THEN
+            CALL HOT(H, FRESH, TFORCE, NFORCE)
+         ELSE
+            CALL STEP(H, FRESH, TROT, TFORCE, NFORCE)
+         END IF
          CALL KINETC(ET, ER)
+         SP = SP + POTEN
          T = I*H
          E = ET + ER + POTEN
          IF (MOD(I, NPRINT) .EQ. 0) WRITE (*, 100) I, T, ET, ER, POTEN,
@@ -77,7 +87,11 @@ C     drift: slope of the straight line; fluctuation: rms about it
       WRITE (*, 110) H*1D3, RMS/NMOL, DRIFT/NMOL, SK/S,
      &   DBLE(NFORCE)/NSTEP, (END - BEGIN)/NSTEP*1D6, TROT/NSTEP*1D6,
      &   TFORCE/NSTEP*1D6
+      IF (RATE .GT. 0) WRITE (*, 120) SP/S/NMOL, SK/S, THOT/S
   100 FORMAT (I8, F12.5, 3F20.9, F22.11)
+  120 FORMAT ('thermostat: mean potential energy', F12.4,
+     &   ', temperature at ends of steps', F9.3,
+     &   ', after noise inside', F9.3)
   110 FORMAT ('result', F8.3, 1P, 2E13.5, 0P, F9.2, F7.2, 3F12.2)
       END
 
@@ -114,6 +128,50 @@ C     One step: kicks and drifts of centres and attitudes side by side
          END IF
    10 CONTINUE
       CALL RENEW(FRESH, TFORCE, NFORCE)
+      END
+
+C     One step with noise: kick, half a drift, noise over H, half a
+C     drift, kick (BAOAB), or noise over H/2 at both ends. Centres here,
+C     rotations by poinsot, which draws its own numbers by step.
+      SUBROUTINE HOT(H, FRESH, TFORCE, NFORCE)
+      INCLUDE 'common.inc'
+      INTEGER NFORCE
+      DOUBLE PRECISION H, TFORCE, ET, ER, TEMPER
+      LOGICAL FRESH
+      NSTEPS = NSTEPS + 1
+      IF (INSIDE .EQ. 0) CALL NOISE(H/2, 2*NSTEPS)
+      CALL RENEW(FRESH, TFORCE, NFORCE)
+      CALL KICK(H/2)
+      CALL LIBKIK(H/2)
+      CALL MOVE(H/2)
+      CALL LIBDRF(H/2)
+      IF (INSIDE .EQ. 1) THEN
+         CALL NOISE(H, NSTEPS)
+         CALL KINETC(ET, ER)
+         THOT = THOT + TEMPER(ET, ER)
+      END IF
+      CALL MOVE(H/2)
+      CALL LIBDRF(H/2)
+      FRESH = .FALSE.
+      CALL RENEW(FRESH, TFORCE, NFORCE)
+      CALL KICK(H/2)
+      CALL LIBKIK(H/2)
+      IF (INSIDE .EQ. 0) CALL NOISE(H/2, 2*NSTEPS + 1)
+      END
+
+C     Exact friction and noise over H, of centres and rotations
+      SUBROUTINE NOISE(H, NUMBER)
+      INCLUDE 'common.inc'
+      INTEGER NUMBER, I
+      DOUBLE PRECISION H, C, S, NORMAL
+      C = EXP(-RATE*H)
+      DO 10 I = 1, NMOL
+         S = SQRT(BOLTZ*TEMP*(1 - C*C)/TOTMAS(KIND(I)))
+         VX(I) = C*VX(I) + S*NORMAL()
+         VY(I) = C*VY(I) + S*NORMAL()
+         VZ(I) = C*VZ(I) + S*NORMAL()
+   10 CONTINUE
+      CALL LIBNOI(H, NUMBER)
       END
 
 C     Forces, if molecules have moved since the last ones
@@ -175,6 +233,7 @@ C     Temperature: a linear molecule has two rotations, not three
       INTEGER I, K, NFREE
       DOUBLE PRECISION ET, ER
       NFREE = 3*NMOL - 3
+      IF (RATE .GT. 0) NFREE = 3*NMOL
       DO 10 I = 1, NMOL
          DO 10 K = 1, 3
             IF (ROTIN(K,KIND(I)) .GT. 0) NFREE = NFREE + 1
@@ -185,10 +244,10 @@ C     Temperature: a linear molecule has two rotations, not three
 C     Step I of equilibration: 1 fs with the own rotation; every 10
 C     steps velocities scaled to the temperature, of centres and of
 C     rotation each
-      SUBROUTINE COOL(I, TEMP)
+      SUBROUTINE COOL(I)
       INCLUDE 'common.inc'
       INTEGER I, J, LIB, NONE
-      DOUBLE PRECISION TEMP, ET, ER, S, SR, T1, T2, TEMPER
+      DOUBLE PRECISION ET, ER, S, SR, T1, T2, TEMPER
       LOGICAL FRESH
       LIB = LIBROT
       LIBROT = 0
@@ -214,15 +273,16 @@ C     rotation each
       END
 
 C     Lines of the input: a word in columns 1 to 12, its value after it
-      SUBROUTINE INPUT(NSTEP, NPRINT, NEQUIL, H, TEMP, FSTART, FEND,
-     &                 FSITES)
+      SUBROUTINE INPUT(NSTEP, NPRINT, NEQUIL, H, FSTART, FEND, FSITES)
       INCLUDE 'common.inc'
       INTEGER NSTEP, NPRINT, NEQUIL, NWATER, NCO2, SEED
       COMMON /CHANCE/ SEED
       CHARACTER*(*) FSTART, FEND, FSITES
       CHARACTER*12 WORD
       CHARACTER*60 VALUE
-      DOUBLE PRECISION H, TEMP
+      DOUBLE PRECISION H
+      RATE = 0
+      INSIDE = 1
       NWATER = 216
       NCO2 = 0
       BOX = 18.62D0
@@ -260,6 +320,11 @@ C     Lines of the input: a word in columns 1 to 12, its value after it
       ELSE IF (WORD .EQ. 'rotation') THEN
          IF (VALUE .NE. 'own' .AND. VALUE .NE. 'poinsot') GO TO 30
          IF (VALUE .EQ. 'poinsot') LIBROT = 1
+      ELSE IF (WORD .EQ. 'friction') THEN
+         READ (VALUE, *, ERR=30) RATE
+      ELSE IF (WORD .EQ. 'noise') THEN
+         IF (VALUE .NE. 'middle' .AND. VALUE .NE. 'ends') GO TO 30
+         IF (VALUE .EQ. 'ends') INSIDE = 0
       ELSE IF (WORD .EQ. 'substeps') THEN
          READ (VALUE, *, ERR=30) NSUB
       ELSE IF (WORD .EQ. 'method') THEN
@@ -286,7 +351,7 @@ C     Lines of the input: a word in columns 1 to 12, its value after it
       GO TO 10
    20 IF (NWATER + NCO2 .GT. MAXMOL) STOP 'too many molecules'
       IF (FSTART .NE. ' ') CALL LOAD(FSTART)
-      IF (FSTART .EQ. ' ') CALL LATTIC(NWATER, NCO2, TEMP)
+      IF (FSTART .EQ. ' ') CALL LATTIC(NWATER, NCO2)
       RETURN
    30 WRITE (*, *) 'not understood: ', WORD, VALUE
       STOP 1

@@ -69,10 +69,10 @@ C     centres of mass to the origin, moments of inertia
 
 C     NWATER + NCO2 molecules on a cubic lattice, mixed, attitudes and
 C     momenta by chance, temperature TEMP
-      SUBROUTINE LATTIC(NWATER, NCO2, TEMP)
+      SUBROUTINE LATTIC(NWATER, NCO2)
       INCLUDE 'common.inc'
       INTEGER NWATER, NCO2, EDGE, I, J, K, L
-      DOUBLE PRECISION TEMP, S, PX, PY, PZ, MASS, NORMAL, UNIFRM
+      DOUBLE PRECISION S, PX, PY, PZ, MASS, NORMAL, UNIFRM
       EXTERNAL NORMAL, UNIFRM
       NMOL = NWATER + NCO2
       EDGE = 1

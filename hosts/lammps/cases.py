@@ -23,7 +23,6 @@ def tumbling(options):
         atom_style ellipsoid
         region box block 0 80 0 80 0 80
         create_box 1 box
-        {options.get("plugin", "")}
         """)
     random = np.random.default_rng(5)
     grid = [(10 + 20 * i, 10 + 20 * j, 10 + 20 * k) for i in range(4) for j in range(4) for k in range(4)]

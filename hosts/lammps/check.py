@@ -8,7 +8,6 @@ import numpy as np
 
 here = pathlib.Path(__file__).resolve().parent
 preload = here / "build" / "libpoinsot_lammps.so"
-plugin = here / "build" / "poinsotplugin.so"
 mpirun = sys.argv[1]
 passed = failed = 0
 folder = tempfile.mkdtemp(prefix="poinsot-lammps-")
@@ -82,9 +81,6 @@ if mpirun != "none":
     rows = np.concatenate([part["after"] for part in two])
     same = len(rows) == 64 and all(any(np.array_equal(row, other) for other in rows) for row in ours["after"])
     check("two-ranks", same, f"ranks 1 and 2 ({' and '.join(str(len(part['after'])) for part in two)} bodies): the same bits")
-if plugin.exists():
-    own, _ = run("tumbling", False, fix="nve/poinsot", plugin=f"plugin load {plugin}")
-    check("plugin", tumbling_error(own) <= 1e-11, f"fix nve/poinsot: error {tumbling_error(own):.1e}")
 
 stock, _ = run("water", False)
 ours, report = run("water", True)

