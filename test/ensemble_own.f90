@@ -59,7 +59,7 @@ module test_ensemble_own
       "full:drag:friction = 0.1, 0.2, 0.3", &
       "full:langevin:friction = 0.1, 0.2, 0.3; temperature = 0.4", &
       "langevin:rate = 0.5, 0.2, 0.1; temperature = 0.4", &
-      "full:drag:rate = 0.1, 0.2, 0.3"]
+      "drag:rate = 0.1, 0.2, 0.3"]
 
 contains
 
