@@ -22,11 +22,14 @@ module poinsot_legacy
    public :: poinsot_status_text_f
    public :: poinsot_drift_f
    public :: poinsot_kick_f
+   public :: poinsot_dissipate_f
    public :: poinsot_step_f
    public :: poinsot_step_torque_f
    public :: poinsot_energy_f
    public :: poinsot_drift_a_f
    public :: poinsot_kick_a_f
+   public :: poinsot_dissipate_a_f
+   public :: poinsot_dissipate_c_f
    public :: poinsot_drift_c_f
    public :: poinsot_kick_c_f
    public :: poinsot_torque_f
@@ -206,6 +209,20 @@ module poinsot_legacy
          integer(c_int), intent(out) :: status
       end subroutine poinsot_kick_f
 
+      subroutine poinsot_dissipate_f(plan, n, y, q, body_class, h, step, each, status)
+         import
+         implicit none
+         integer(c_int64_t), intent(in) :: plan
+         integer(c_int), intent(in) :: n
+         real(c_double), intent(inout) :: y(*)
+         real(c_double), intent(inout) :: q(*)
+         integer(c_int), intent(in) :: body_class(*)
+         real(c_double), intent(in) :: h
+         integer(c_int), intent(in) :: step
+         integer(c_int), intent(inout) :: each(*)
+         integer(c_int), intent(out) :: status
+      end subroutine poinsot_dissipate_f
+
       subroutine poinsot_step_f(plan, n, y, q, body_class, t, h, first, steps, each, status)
          import
          implicit none
@@ -294,6 +311,47 @@ module poinsot_legacy
          integer(c_int), intent(inout) :: each(*)
          integer(c_int), intent(out) :: status
       end subroutine poinsot_kick_a_f
+
+      subroutine poinsot_dissipate_a_f(plan, n, y1, y2, y3, q0, q1, q2, q3, body_class, h, &
+         step, each, status)
+         import
+         implicit none
+         integer(c_int64_t), intent(in) :: plan
+         integer(c_int), intent(in) :: n
+         real(c_double), intent(inout) :: y1(*)
+         real(c_double), intent(inout) :: y2(*)
+         real(c_double), intent(inout) :: y3(*)
+         real(c_double), intent(inout) :: q0(*)
+         real(c_double), intent(inout) :: q1(*)
+         real(c_double), intent(inout) :: q2(*)
+         real(c_double), intent(inout) :: q3(*)
+         integer(c_int), intent(in) :: body_class(*)
+         real(c_double), intent(in) :: h
+         integer(c_int), intent(in) :: step
+         integer(c_int), intent(inout) :: each(*)
+         integer(c_int), intent(out) :: status
+      end subroutine poinsot_dissipate_a_f
+
+      subroutine poinsot_dissipate_c_f(plan, n, p0, p1, p2, p3, q0, q1, q2, q3, body_class, &
+         h, step, each, status)
+         import
+         implicit none
+         integer(c_int64_t), intent(in) :: plan
+         integer(c_int), intent(in) :: n
+         real(c_double), intent(inout) :: p0(*)
+         real(c_double), intent(inout) :: p1(*)
+         real(c_double), intent(inout) :: p2(*)
+         real(c_double), intent(inout) :: p3(*)
+         real(c_double), intent(inout) :: q0(*)
+         real(c_double), intent(inout) :: q1(*)
+         real(c_double), intent(inout) :: q2(*)
+         real(c_double), intent(inout) :: q3(*)
+         integer(c_int), intent(in) :: body_class(*)
+         real(c_double), intent(in) :: h
+         integer(c_int), intent(in) :: step
+         integer(c_int), intent(inout) :: each(*)
+         integer(c_int), intent(out) :: status
+      end subroutine poinsot_dissipate_c_f
 
       subroutine poinsot_drift_c_f(plan, n, p0, p1, p2, p3, q0, q1, q2, q3, body_class, h, &
          each, status)

@@ -10,7 +10,7 @@ rm -rf build/docs
 build/tools/bin/ford $page >build/docs.log 2>&1 || { cat build/docs.log; exit 1; }
 grep -i warning build/docs.log
 # What the front page links to: pages, pictures, header, examples; each link is looked up.
-for it in docs example include scenes share bench CHANGELOG.md CONTRIBUTING.md CMakeLists.txt LICENSE SECURITY.md; do
+for it in docs example hosts include scenes share bench CHANGELOG.md CONTRIBUTING.md CMakeLists.txt LICENSE SECURITY.md; do
    [ ! -e "$it" ] || cp -R "$it" build/docs/
 done
 dead=$(grep -o '](\([^)#]*\)' "$page" | sed 's/^](//' | grep -v '^[a-z]*:' | sort -u | while IFS= read -r link; do
