@@ -2,14 +2,13 @@
 module app_choose
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_e_convergence
    use poinsot_scene_files, only: make_folder
    use poinsot_scene_settings, only: scene_settings
-   use poinsot_study_choose, only: choose_request, choice, choose_method
-   use poinsot_study_choose_text, only: choice_lines, write_chosen_scene
+   use poinsot_study_choose, only: choose_request, choice, choose_method, tolerance_kept
+   use poinsot_study_choose_text, only: choice_lines, verdict, write_chosen_scene
    use poinsot_study_fill_scene, only: text_line
    use app_arguments, only: word_list
-   use app_codes, only: exit_ok, exit_usage, exit_numerical, exit_of_run
+   use app_codes, only: exit_usage, exit_tolerance, exit_of_run
    use app_options, only: study_options, read_study_options, seconds_of, numbers_in, names_in
    use app_progress, only: progress_watch
    use app_run, only: load_scene
@@ -18,8 +17,8 @@ module app_choose
    private
    public :: command_choose
 
-   character(13), parameter :: known(6) = [character(13) :: "--tol", "--out", "--budget", &
-                                           "--methods", "--splittings", "--quiet"]
+   character(13), parameter :: known(7) = [character(13) :: "--tol", "--out", "--budget", &
+      "--methods", "--splittings", "--set", "--quiet"]
 
 contains
 
@@ -56,16 +55,16 @@ contains
       integer, intent(out) :: code
       type(progress_watch) :: watch
       type(choice) :: answer
-      type(text_line), allocatable :: lines(:)
+      type(text_line), allocatable :: lines(:), settings(:)
       type(poinsot_error) :: error
       character(:), allocatable :: out
       integer :: i
       watch%shown = error_is_terminal() .and. .not. options%quiet
+      watch%clock = "processor"
       call catch_interrupts()
       call choose_method(scene, request, watch, answer, error)
       call watch%wipe()
       code = exit_of_run(error%code)
-      if (error%code == poinsot_e_convergence) code = exit_numerical
       if (raised(error)) then
          call print_error(error%message)
          return
@@ -74,19 +73,28 @@ contains
       do i = 1, size(lines)
          if (.not. options%quiet) call say(lines(i)%text)
       end do
+      if (answer%ended /= tolerance_kept) then
+         call print_error(scene%file // ": " // verdict(scene, request%tol, answer))
+         code = exit_tolerance
+      end if
+      if (.not. answer%best%h > 0) return
       out = options%out
       if (len(out) == 0) then
          out = "poinsot-out/" // scene%name // "-chosen.nml"
          call make_folder("poinsot-out", error)
       end if
-      if (.not. raised(error)) call write_chosen_scene(scene, out, request%tol, answer, error)
-      code = exit_of_run(error%code)
+      allocate (settings(size(options%settings)))
+      do i = 1, size(settings)
+         settings(i)%text = options%settings(i)%text
+      end do
+      if (.not. raised(error)) call write_chosen_scene(scene, out, request%tol, answer, settings, &
+         error)
       if (raised(error)) then
+         code = exit_of_run(error%code)
          call print_error(error%message)
       else if (.not. options%quiet) then
          call say("written to  " // out // "; poinsot run " // out // " runs it")
       end if
-      code = merge(exit_ok, code, .not. raised(error))
    end subroutine search
 
 end module app_choose

@@ -10,6 +10,7 @@ module app_codes
    integer, parameter, public :: exit_runtime = 1   !! files, memory, interrupted
    integer, parameter, public :: exit_usage = 2     !! command line or input
    integer, parameter, public :: exit_numerical = 3 !! the calculation failed
+   integer, parameter, public :: exit_tolerance = 4 !! the result is there, its error too large
 
 contains
 

@@ -95,6 +95,7 @@ contains
       out = options%out
       if (len(out) == 0) out = "poinsot-out/" // scene%name // "-cost"
       watch%shown = error_is_terminal() .and. .not. options%quiet
+      watch%clock = "wall"
       call catch_interrupts()
       call read_rivals(options%rivals, rivals, error)
       if (.not. raised(error)) call study_cost(scene, request, watch, study, error)

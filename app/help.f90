@@ -47,7 +47,7 @@ contains
          "              poinsot run heavy-top --out top", &
          "", &
          "Exit code: 0 done, 1 files or memory or interrupted, 2 command line or input,", &
-         "           3 the calculation failed"])
+         "           3 the calculation failed, 4 the tolerance of choose or auto is not kept"])
    end subroutine show_help
 
    !> poinsot COMMAND --help
@@ -70,15 +70,21 @@ contains
             "", &
             "   --tol TOL              the tolerance, 1e-15 to 1 (default &scene tol)", &
             "   --out FILE             the scene written (default poinsot-out/SCENE-chosen.nml)", &
-            "   --budget TIME          all of it takes no longer, as 20s or 2m (default 20s)", &
+            "   --budget TIME          of the processor, as 20s or 2m (default 20s): another", &
+            "                          program at work changes the wait, not the choice", &
             "   --methods A,B,C        among these only", &
             "   --splittings A,B,C     among these only", &
+            "   --set GROUP.KEY=VALUE  a setting over the file's own; it is in the scene written", &
             "   --quiet                print errors only", &
+            "", &
+            "The choice is run to the scene's end with all its bodies before it is named.", &
             "", &
             "A scene with method = 'auto' does the same when it starts, for &scene tol, within 5", &
             "seconds, and says in summary and restart what it chose; splitting = 'auto' keeps", &
             "the method; a step that is given is the longest allowed. A restart never chooses", &
-            "again. Exit code 3: nothing meets the tolerance."])
+            "again. Exit code 4: nothing keeps the tolerance, because the motion is chaotic (how", &
+            "long it holds is said) or out of reach, or time ran out; the best is named. A run", &
+            "under 'auto' then goes on with the best, and ends with code 4 too."])
       case ("reproduce")
          call put([character(100) :: &
             "poinsot reproduce review | hairer-vilmart | fasso | celledoni [OPTIONS]", &

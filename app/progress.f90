@@ -16,6 +16,7 @@ module app_progress
       logical :: shown = .false.           !! there is a terminal to show it on
       logical :: dirty = .false.           !! the line has been written
       integer(i8) :: last = 0              !! clock at the last line
+      character(9) :: clock = ""  !! of a study whose progress is its budget: wall, processor
    contains
       procedure :: stop_now
       procedure :: report_progress
@@ -40,8 +41,14 @@ contains
       if (real(now - self%last, dp) < pause*real(rate, dp)) return
       self%last = now
       self%dirty = .true.
-      write (error_unit, "(a, i3, a)", advance="no") achar(13), int(100*t/t_end), " %  t = " // &
-         text_of(real(real(t), dp)) // " of " // text_of(t_end) // "    "
+      if (len_trim(self%clock) > 0) then
+         write (error_unit, "(a, i3, a)", advance="no") achar(13), int(100*t/t_end), " %  " // &
+            text_of(nint(t)) // " of " // text_of(nint(t_end)) // " " // trim(self%clock) // &
+            " seconds, at most " // text_of(max(0, nint(t_end - t))) // " left    "
+      else
+         write (error_unit, "(a, i3, a)", advance="no") achar(13), int(100*t/t_end), " %  t = " // &
+            text_of(real(real(t), dp)) // " of " // text_of(t_end) // "    "
+      end if
       flush (error_unit)
    end subroutine report_progress
 

@@ -18,7 +18,7 @@ module app_run
    use poinsot_scene_summary, only: run_report
    use poinsot_study_auto, only: resolve_auto
    use app_arguments, only: word, word_list, option_value, is_option, append_word
-   use app_codes, only: exit_ok, exit_runtime, exit_usage, exit_of_run
+   use app_codes, only: exit_ok, exit_tolerance, exit_runtime, exit_usage, exit_of_run
    use app_draw, only: draw_pictures, show_file
    use app_view, only: find_template, remake_page
    use poinsot_scene_view, only: page_name
@@ -77,7 +77,7 @@ contains
       options%quiet = .true.
       if (len(options%out) == 0) options%out = "poinsot-out/" // scene%name
       call run_it(scene, options, code)
-      if (code == exit_ok) call say(options%out // "/" // page_name)
+      if (code == exit_ok .or. code == exit_tolerance) call say(options%out // "/" // page_name)
    end subroutine command_view
 
    !> Words to typed options.
@@ -264,6 +264,10 @@ contains
       call picture_names(scene, names)
       call draw_pictures(names, out, options%quiet, scripts_only=.not. options%pictures)
       if (.not. options%quiet) call say("written to " // out)
+      if (len(scene%chosen_fails) == 0) return
+      call print_error("auto: the end is not within tol = " // text_of(scene%tol) // ": " // &
+         scene%chosen_fails)
+      code = exit_tolerance
    end subroutine run_it
 
    !> The first rank locks the folder for all, until this process ends.
@@ -301,6 +305,7 @@ contains
       call broadcast_name(ranks, scene%method)
       call broadcast_name(ranks, scene%splitting)
       scene%h = transfer(ranks%broadcast(transfer(scene%h, 0_i8)), scene%h)
+      scene%tolerance = transfer(ranks%broadcast(transfer(scene%tolerance, 0_i8)), scene%tolerance)
    end subroutine resolve_auto_on_all
 
    !> The first rank's name, letter by letter.

@@ -5,7 +5,7 @@ module test_choose
    use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_e_convergence, poinsot_e_method
+   use poinsot_core_status, only: poinsot_e_method
    use poinsot_scene_engine, only: engine, start_engine, engine_step
    use poinsot_scene_communicator, only: communicator
    use poinsot_scene_restart, only: restart_state, write_restart
@@ -16,16 +16,18 @@ module test_choose
    use poinsot_scene_watch, only: run_watch
    use poinsot_study_auto, only: resolve_auto
    use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, plan_splitting, any_name
-   use poinsot_study_choose, only: choose_request, choice, choose_method, prepare_task, chosen
+   use poinsot_study_choose, only: choose_request, choice, choose_method, prepare_task, &
+      chosen_scene, tolerance_kept, motion_chaotic
+   use poinsot_study_choose_text, only: verdict
    use poinsot_study_clock, only: limit_in
    use poinsot_study_errors, only: compare_states
-   use poinsot_study_fill_scene, only: set_keys, text_line
+   use poinsot_study_fill_scene, only: set_keys, set_as_told, text_line
    use poinsot_study_members, only: member_set, draw_members, repeat_members
    use poinsot_study_reference, only: reference_solution, find_reference
-   use poinsot_study_search, only: problem, contender, search_steps
+   use poinsot_study_search, only: problem, contender, search_steps, step_of
    use poinsot_study_statistics, only: median
    use poinsot_study_timing, only: time_steps
-   use poinsot_study_trial, only: make_plan
+   use poinsot_study_trial, only: make_plan, set_tolerance
    use poinsot_ensemble_plan, only: poinsot_plan
    use test_expectation, only: expect
    use test_random_scenes, only: random_scene, scene_from
@@ -45,7 +47,11 @@ contains
       testsuite = [ &
          new_unittest("scene text: keys set where they stand", keys_in_place), &
          new_unittest("scene text: keys added", keys_added), &
+         new_unittest("scene text: settings of a command line", settings_added), &
          new_unittest("top: the tolerance is met", top_choice), &
+         new_unittest("every body of many is within the tolerance", many_bodies), &
+         new_unittest("a chaotic motion is called so", chaotic_motion), &
+         new_unittest("friction: a Taylor series where splittings have order 2", friction_choice), &
          new_unittest("choice among names", named_choice), &
          new_unittest("a tolerance beyond reach is refused", beyond_reach), &
          new_unittest("auto: settled once, a restart goes on with it", auto_settled), &
@@ -89,6 +95,90 @@ contains
       call expect(error, lines(2)%text, "&scene h = 0.25, t_end = 1 /")
    end subroutine keys_added
 
+   !> What --set changed is in the scene that is written.
+   subroutine settings_added(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(text_line), allocatable :: lines(:)
+      call three_lines("&scene t_end = 1 /", "&bodies moments = 1, 2, 2.5, y = 1, 0, 0 /", &
+         "&bodies moments = .5, .5, .7 omega = 1, 2, 3 /", lines)
+      call set_as_told(lines, "bodies.moments=3,3,1")
+      call set_as_told(lines, "bodies(2).omega=0,0,1")
+      call set_as_told(lines, "gravity.centre=0,0,1")
+      call expect(error, size(lines) == 4, "a group is added")
+      if (allocated(error)) return
+      call expect(error, lines(2)%text, "&bodies moments = 3,3,1, y = 1, 0, 0 /")
+      call expect(error, lines(3)%text, "&bodies moments = .5, .5, .7 omega = 0,0,1 /")
+      call expect(error, lines(4)%text, "&gravity centre = 0,0,1 /")
+   end subroutine settings_added
+
+   !> More bodies than are tried: all of them are tested, from start to end.
+   subroutine many_bodies(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(choice) :: answer
+      type(scene_settings) :: scene
+      real(dp) :: off
+      type(poinsot_error) :: failure
+      call choose_for("&scene t_end = 5, method = 'auto', tol = 1e-7 /" // new_line("a") // &
+         "&bodies count = 2000, moments = .55, .9, .7, random = 'thermal', temperature = .5 /" // &
+         new_line("a") // "&gravity centre = 0, 0, 1 /", 1e-7_dp, [character(24) :: "omelyan6"], &
+         scene, answer, failure)
+      call expect(error, .not. raised(failure) .and. answer%checked .and. &
+         answer%ended == tolerance_kept .and. answer%total == 2000, "all bodies are tested")
+      if (allocated(error)) return
+      call true_error(chosen_scene(scene, answer%best), off, failure)
+      call expect(error, off <= 1e-7_dp, "every body is within the tolerance")
+      call expect(error, abs(off - answer%best%error) < 0.1_dp*off, "as it was said")
+   end subroutine many_bodies
+
+   !> A top whose errors grow exponentially: refused with the time to which the tolerance holds.
+   subroutine chaotic_motion(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(choice) :: answer
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      call choose_for("&scene t_end = 200, h = 0.01 /" // new_line("a") // &
+         "&bodies moments = 1, 2, 2.5, omega = 0.5, 0.2, 1.0, " // &
+         "q = 0.9, 0.435889894354067, 0, 0 /" // new_line("a") // &
+         "&gravity centre = 0.3, 0.2, 1, weight = 1 /", 1e-12_dp, [character(24) :: "taylor"], &
+         scene, answer, failure)
+      call expect(error, .not. raised(failure) .and. answer%ended == motion_chaotic, &
+         verdict(scene, 1e-12_dp, answer))
+      if (allocated(error)) return
+      call expect(error, answer%growth%holds > 20 .and. answer%growth%holds < 200 .and. &
+         answer%growth%fold > 2 .and. answer%growth%fold < 50, verdict(scene, 1e-12_dp, answer))
+   end subroutine chaotic_motion
+
+   !> Drag limits every splitting to order 2.
+   subroutine friction_choice(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(choice) :: answer
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      call choose_for("&scene t_end = 20, h = 0.01 /" // new_line("a") // &
+         "&bodies moments = .6, .8, 1, y = 1.8, .4, -.9 /" // new_line("a") // &
+         "&gravity centre = 0, 0, 1 /" // new_line("a") // "&drag friction = .05 /", 1e-8_dp, &
+         any_name, scene, answer, failure)
+      call expect(error, .not. raised(failure) .and. answer%ended == tolerance_kept .and. &
+         answer%best%setup%adaptive .and. answer%best%error <= 1e-8_dp .and. &
+         .not. answer%noisy, "taylor, within the tolerance")
+   end subroutine friction_choice
+
+   subroutine choose_for(text, tol, splittings, scene, answer, failure)
+      character(*), intent(in) :: text
+      real(dp), intent(in) :: tol
+      character(24), intent(in) :: splittings(:)
+      type(scene_settings), intent(out) :: scene
+      type(choice), intent(out) :: answer
+      type(poinsot_error), intent(inout) :: failure
+      type(choose_request) :: request
+      type(run_watch) :: watch
+      call scene_from(text, "test.nml", scene, failure)
+      request%tol = tol
+      request%methods = [character(24) :: "exact"]
+      request%splittings = splittings
+      if (.not. raised(failure)) call choose_method(scene, request, watch, answer, failure)
+   end subroutine choose_for
+
    subroutine three_lines(a, b, c, lines)
       character(*), intent(in) :: a, b, c
       type(text_line), allocatable, intent(out) :: lines(:)
@@ -110,7 +200,7 @@ contains
                                     "output.every=1"], scene, failure)
       if (.not. raised(failure)) call resolve_auto(scene, watch, failure)
       if (.not. raised(failure)) call run_through(scene, states, failure)
-      call expect(error, .not. raised(failure) .and. .not. is_auto(scene) .and. scene%h < 1, &
+      call expect(error, .not. raised(failure) .and. .not. is_auto(scene) .and. scene%h <= 1, &
          "chosen, and run")
       call expect(error, norm2(states%y(:, 1) - [1.922573381663007_dp, 0.7720232344670848_dp, &
                                                -0.2011054792035490_dp])/norm2(states%y(:, &
@@ -175,9 +265,10 @@ contains
       request%methods = [character(24) :: "exact"]
       request%splittings = [character(24) :: "strang"]
       call choose_method(scene, request, watch, answer, failure)
-      call expect(error, failure%code, poinsot_e_convergence)
-      call expect(error, index(failure%message, "exact + strang with h = ") > 0, &
-         "says what comes nearest")
+      call expect(error, .not. raised(failure) .and. answer%ended /= tolerance_kept .and. &
+         answer%best%h > 0 .and. answer%best%error > 1e-14_dp, "not kept, and the nearest is there")
+      call expect(error, index(verdict(scene, request%tol, answer), &
+         "exact + strang comes nearest, with an error of ") > 0, "says what comes nearest")
    end subroutine beyond_reach
 
    subroutine auto_settled(error)
@@ -290,14 +381,15 @@ contains
       request%splittings = any_name
       if (.not. raised(failure)) call choose_method(scene, request, watch, answer, failure)
       if (raised(failure)) then
-         told = failure%code == poinsot_e_convergence
          line = line // failure%message
          return
       end if
-      done = scene
-      done%method = trim(answer%best%setup%method)
-      done%splitting = plan_splitting(answer%best%setup)
-      done%h = answer%best%h
+      if (answer%ended /= tolerance_kept) then
+         told = .true.
+         line = line // verdict(scene, request%tol, answer)
+         return
+      end if
+      done = chosen_scene(scene, answer%best)
       call true_error(done, off, failure)
       if (raised(failure)) then
          line = line // failure%message
@@ -352,7 +444,7 @@ contains
       type(run_watch) :: watch
       type(poinsot_error) :: failure
       type(poinsot_plan) :: plan
-      real(dp) :: h, mine, ns(5)
+      real(dp) :: mine, ns(5)
       real(dp), allocatable :: times(:, :)
       integer :: i, round
       ratio = 1
@@ -364,6 +456,7 @@ contains
       call make_plan(scene, trim(answer%best%setup%method), plan_splitting(answer%best%setup), &
          plan, &
          failure)
+      if (answer%best%tolerance > 0) call set_tolerance(plan, answer%best%tolerance)
       allocate (times(5, size(contenders)))
       do round = 1, 5
          call time_steps(plan, many, answer%best%h, answer%best%ns, 1e-3_dp, &
@@ -372,12 +465,11 @@ contains
          do i = 1, size(contenders)
             times(round, i) = 0
             if (contenders(i)%met == 0) cycle
-            h = task%longest/real(contenders(i)%met, dp)
-            call time_steps(contenders(i)%plan, many, h, contenders(i)%ns*max(1, 32/many%n), &
-               1e-3_dp, &
-               task%unit*contenders(i)%met, .true., &
-                            times(round, i))
-            times(round, i) = times(round, i)/h
+            associate (one => contenders(i))
+               call time_steps(one%plan, many, step_of(one, one%met), one%ns*max(1, 32/many%n), &
+                  1e-3_dp, one%unit*one%met, .true., times(round, i))
+               times(round, i) = times(round, i)/step_of(one, one%met)
+            end associate
          end do
       end do
       mine = median(ns)/answer%best%h

@@ -109,6 +109,7 @@ contains
       scene%from = word_of(group, "from")
       scene%reseed = flag_of(group, "reseed")
       scene%chosen = ""
+      scene%chosen_fails = ""
       if (scene%reseed .and. len(scene%from) == 0) then
          call reject_key(group, "reseed", "goes with from, which is not given", error)
       else if (scene%t_end <= 0) then

@@ -189,10 +189,11 @@ contains
 
    !> Method, splitting and step of a restart file: what a scene that leaves them to `auto` goes on
    !> with. Errors as of read_restart.
-   subroutine read_choice(path, method, splitting, h, error)
+   subroutine read_choice(path, method, splitting, h, tolerance, error)
       character(*), intent(in) :: path            !! of the file
       character(:), allocatable, intent(out) :: method, splitting
       real(dp), intent(out) :: h                  !! 0: none
+      real(dp), intent(inout) :: tolerance        !! of `taylor`; left as it is for others
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: word, told
       character(200) :: reason
@@ -208,6 +209,7 @@ contains
       call next(unit, path, "method", line, method, error)
       call next(unit, path, "splitting", line, splitting, error)
       if (told /= "1") call next(unit, path, "tolerance", line, word, error)
+      if (told /= "1" .and. splitting == "taylor") call one_real(path, line, word, tolerance, error)
       call next(unit, path, "t", line, word, error)
       call next(unit, path, "h", line, word, error)
       call one_real(path, line, word, h, error)

@@ -78,6 +78,7 @@ module poinsot_scene_settings
       character(:), allocatable :: from       !! restart file to continue from, "" = none
       logical :: reseed = .false.             !! a continuation may have another seed
       character(:), allocatable :: chosen     !! what `auto` chose and promises, "" = nothing
+      character(:), allocatable :: chosen_fails !! why the choice does not keep `tol`, "" = it does
       type(body_group), allocatable :: bodies(:)
       type(effect_setting), allocatable :: effects(:)
       type(output_settings) :: output

@@ -12,7 +12,7 @@ module poinsot_study_candidates
    use poinsot_scene_settings, only: scene_settings, body_group, effect_setting, &
       random_thermal
    use poinsot_scene_text, only: quoted
-   use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name, &
+   use poinsot_splitting_registry, only: splitting_count, splitting_name, &
       find_splitting, achieved_order
    use poinsot_splitting_tableaux, only: splitting
    use poinsot_study_trial, only: make_plan
@@ -31,6 +31,8 @@ module poinsot_study_candidates
       character(24) :: splitting = no_splitting
       integer :: order = 0                     !! of the whole; 0: exact
       integer :: turns = 1                     !! free rotations of a step
+      logical :: adaptive = .false.            !! `taylor`: a tolerance, no step; the method is not
+                                               !! used
    end type candidate
 
    !> What a scene is to a study.
@@ -125,12 +127,25 @@ contains
       n = 0
       do j = 1, size(some_splittings)
          do i = 1, size(some_methods)
+            if (.not. goes_with(some_methods, i, some_splittings(j), size(splittings) > 0)) cycle
             n = n + 1
             call fill(kind, some_methods(i), some_splittings(j), list(n), error)
             if (raised(error)) return
          end do
       end do
+      list = list(:n)
    end subroutine list_candidates
+
+   !> `taylor` uses no method: it stands once, beside `exact`; if it is named, beside any.
+   pure logical function goes_with(methods, i, scheme, named)
+      character(24), intent(in) :: methods(:), scheme
+      integer, intent(in) :: i
+      logical, intent(in) :: named
+      goes_with = .true.
+      if (scheme /= "taylor") return
+      goes_with = methods(i) == "exact"
+      if (named .and. .not. any(methods == "exact")) goes_with = i == 1
+   end function goes_with
 
    !> Order and cost of one candidate.
    subroutine fill(kind, method, scheme, one, error)
@@ -148,8 +163,11 @@ contains
       if (scheme == no_splitting) return
       call find_splitting(trim(scheme), row, error)
       if (raised(error)) return
-      one%order = achieved_order(row%order, rotor%order, [kind%limit])
+      one%adaptive = row%adaptive
       one%turns = row%stages
+      one%order = achieved_order(row%order, rotor%order, [kind%limit])
+      if (one%adaptive) one%order = 0
+      if (one%adaptive) one%turns = 1
    end subroutine fill
 
    !> The methods named, or all.
@@ -184,13 +202,12 @@ contains
       end do
       call check_known("splitting", named, all, error)
       splittings = [character(24) :: no_splitting]
-      if (raised(error) .or. .not. kind%kicks) return
-      splittings = pack(all, [(is_table(i) .and. all(i) /= "baoab", i=1, size(all))])
-      if (size(named) > 0) splittings = named
-      if (any(splittings == "taylor")) then
-         call raise(error, poinsot_e_method, "'taylor' chooses its steps by its tolerance: " // &
-            "cost and choose, which vary the step, do not take it")
-         return
+      if (raised(error) .or. kind%free) return
+      if (kind%kicks) then
+         splittings = pack(all, all /= "baoab") ! it is for noise
+         if (size(named) > 0) splittings = named
+      else
+         splittings = [character(24) :: "taylor"] ! friction alone
       end if
       do i = 1, size(splittings)
          call make_plan(scene, "exact", trim(splittings(i)), plan, refused)
@@ -199,6 +216,7 @@ contains
          refused%code = 0
       end do
       splittings = pack(splittings, fits(:size(splittings)))
+      if (.not. kind%kicks) splittings = [character(24) :: no_splitting, splittings]
    end subroutine splitting_choice
 
    !> Every name in the list of those there are.
@@ -222,11 +240,13 @@ contains
       if (name == no_splitting) name = "srkn6"
    end function plan_splitting
 
-   !> "exact + srkn6", or the method alone.
+   !> "exact + srkn6", or the method alone; "taylor".
    pure function label_of(one) result(text)
       type(candidate), intent(in) :: one
       character(:), allocatable :: text
       text = trim(one%method)
+      if (one%adaptive) text = trim(one%splitting)
+      if (one%adaptive) return
       if (one%splitting /= no_splitting) text = text // " + " // trim(one%splitting)
    end function label_of
 

@@ -9,11 +9,12 @@ module poinsot_study_choose_text
    use poinsot_scene_summary, only: brief_number
    use poinsot_scene_text, only: text_of
    use poinsot_study_candidates, only: label_of, no_splitting
-   use poinsot_study_choose, only: choice, chosen
+   use poinsot_study_choose, only: choice, tolerance_kept, time_ran_out, out_of_reach, &
+      motion_chaotic
    use poinsot_study_fill_scene, only: fill_scene, text_line, insert_line
    implicit none(type, external)
    private
-   public :: choice_lines, choice_sentence, write_chosen_scene
+   public :: choice_lines, choice_sentence, verdict, write_chosen_scene
 
 contains
 
@@ -27,13 +28,20 @@ contains
       call add("scene       " // scene%name // " to t = " // text_of(scene%t_end))
       call add("tolerance   " // brief_number(tol) // &
          " at the end: attitude in radians, momentum over |y|")
+      if (.not. answer%best%h > 0) then
+         call add("nothing     " // verdict(scene, tol, answer))
+         return
+      end if
       call add("method      " // trim(answer%best%setup%method))
       if (answer%best%setup%splitting /= no_splitting) call add("splitting   " // &
          trim(answer%best%setup%splitting))
+      if (answer%best%tolerance > 0) call add("series      tolerance = " // &
+         text_of(answer%best%tolerance) // ", which sets taylor's own steps")
       call add("step h      " // text_of(answer%best%h))
-      call add("error       " // brief_number(answer%best%error) // " predicted; " // &
-               brief_number(answer%best%near) // " is the median of " // text_of(answer%bodies) // &
-               " states, " // text_of(answer%given) // " of them the scene's own")
+      call add("error       " // error_text(scene, answer))
+      call add("near        " // brief_number(answer%best%near) // " is the median error of " // &
+         text_of(answer%bodies) // " states, " // text_of(answer%given) // &
+         " of them the scene's own")
       call add("time        " // brief_number(answer%best%ns) // " ns a body-step, " // &
                brief_number(answer%best%run) // " s the run, on one thread")
       if (answer%runner_up%h > 0) then
@@ -42,21 +50,24 @@ contains
                   ", " // brief_number(answer%runner_up%run/answer%best%run) // &
                      " times as long, error " // &
                   brief_number(answer%runner_up%error))
-      else
-         call add("runner-up   none: no other meets the tolerance")
+      else if (answer%ended == tolerance_kept) then
+         call add("runner-up   none: no other comes within the tolerance at near this price")
       end if
       call add("reference   " // answer%reference)
       if (answer%noisy) then
          call add("noise       is not judged: it was off in the trials, and errors of " // &
                   "averages are others; baoab samples attitudes best")
       end if
-      if (answer%t_measured < scene%t_end) then
+      if (answer%t_measured < scene%t_end .and. .not. answer%checked) then
          call add("measured    to t = " // text_of(answer%t_measured) // &
             "; errors are taken to grow in proportion to time")
       end if
-      call add("chosen      in " // brief_number(answer%seconds) // " s, among " // &
-         text_of(answer%candidates) // &
-               " that came through")
+      if (answer%late > 0) call add("left out    " // text_of(answer%late) // &
+         " candidates, for want of time: --budget gives more")
+      if (answer%ended /= tolerance_kept) call add("verdict     " // verdict(scene, tol, answer))
+      call add("chosen      in " // brief_number(answer%seconds) // &
+         " s of the processor, among " // &
+         text_of(answer%candidates) // " that came through")
 
    contains
 
@@ -67,30 +78,80 @@ contains
 
    end subroutine choice_lines
 
-   !> One line for a summary and for the head of a scene file.
-   function choice_sentence(tol, answer) result(text)
+   !> The error, and how it is known.
+   function error_text(scene, answer) result(text)
+      type(scene_settings), intent(in) :: scene
+      type(choice), intent(in) :: answer
+      character(:), allocatable :: text
+      text = brief_number(answer%best%error)
+      if (answer%checked .and. answer%total == 1) then
+         text = text // " at the end of the whole run"
+      else if (answer%checked) then
+         text = text // ", the worst of all " // text_of(answer%total) // &
+            " bodies at the end of the whole run"
+      else
+         text = text // " predicted from " // text_of(answer%given) // " of " // &
+            text_of(answer%total) // " bodies to t = " // text_of(min(answer%t_measured, &
+            scene%t_end)) // "; the whole run was not checked"
+      end if
+   end function error_text
+
+   !> Why a tolerance is not kept.
+   function verdict(scene, tol, answer) result(text)
+      type(scene_settings), intent(in) :: scene
       real(dp), intent(in) :: tol
       type(choice), intent(in) :: answer
       character(:), allocatable :: text
-      text = label_of(answer%best%setup) // ", h = " // text_of(answer%best%h) // " for tol = " // &
-         brief_number(tol) // &
-             ": error " // brief_number(answer%best%error) // ", " // &
-                brief_number(answer%best%ns) // &
-             " ns a body-step on this machine; found in " // brief_number(answer%seconds) // " s"
+      select case (answer%ended)
+      case (motion_chaotic)
+         text = "chaotic: errors grow e-fold every " // brief_number(answer%growth%fold) // &
+            "; " // &
+            brief_number(tol) // " holds to t = " // brief_number(answer%growth%holds)
+      case (time_ran_out)
+         text = "time ran out before any candidate came within " // brief_number(tol) // "; " // &
+            text_of(answer%late) // " were given up: --budget gives more"
+      case (out_of_reach)
+         text = "out of reach: no candidate comes within " // brief_number(tol) // &
+            " with any step or tolerance"
+      case default
+         text = "kept"
+      end select
+      if (answer%ended == tolerance_kept .or. .not. answer%best%h > 0) return
+      text = text // "; " // label_of(answer%best%setup) // " comes nearest, with an error of " // &
+         brief_number(answer%best%error) // " at t = " // text_of(scene%t_end)
+   end function verdict
+
+   !> One line for a summary and for the head of a scene file.
+   function choice_sentence(scene, tol, answer) result(text)
+      type(scene_settings), intent(in) :: scene
+      real(dp), intent(in) :: tol
+      type(choice), intent(in) :: answer
+      character(:), allocatable :: text
+      text = label_of(answer%best%setup) // ", h = " // text_of(answer%best%h)
+      if (answer%best%tolerance > 0) text = text // ", tolerance = " // &
+         text_of(answer%best%tolerance)
+      text = text // " for tol = " // brief_number(tol) // ": error " // &
+         error_text(scene, answer) // ", " // brief_number(answer%best%ns) // &
+         " ns a body-step on this machine; found in " // brief_number(answer%seconds) // " s"
+      if (answer%ended /= tolerance_kept) text = text // "; NOT KEPT: " // &
+         verdict(scene, tol, answer)
    end function choice_sentence
 
    !> The scene's file with the choice filled in, read again to be sure. Errors: POINSOT_E_IO,
    !> POINSOT_E_SCENE.
-   subroutine write_chosen_scene(scene, path, tol, answer, error)
+   subroutine write_chosen_scene(scene, path, tol, answer, settings, error)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: path
       real(dp), intent(in) :: tol
       type(choice), intent(in) :: answer
+      type(text_line), intent(in) :: settings(:)   !! of --set
       type(poinsot_error), intent(inout) :: error
-      type(text_line) :: values(4)
-      character(9), parameter :: keys(4) = [character(9) :: "method", "splitting", "h", "tol"]
+      type(text_line) :: values(5)
+      character(9), parameter :: keys(5) = [character(9) :: "method", "splitting", "h", "tol", &
+         "tolerance"]
       type(scene_source) :: source
       type(scene_settings) :: again
+      integer :: keys_set
       values(1)%text = "'" // trim(answer%best%setup%method) // "'"
       values(2)%text = "'" // scene%splitting // "'"
       if (scene%splitting == "auto") values(2)%text = "'srkn6'"
@@ -98,9 +159,11 @@ contains
          trim(answer%best%setup%splitting) // "'"
       values(3)%text = text_of(answer%best%h)
       values(4)%text = text_of(tol)
-      call fill_scene(scene%file, path, "chosen by poinsot choose: " // choice_sentence(tol, &
-         answer), keys, values, &
-                      error)
+      values(5)%text = text_of(merge(answer%best%tolerance, scene%tolerance, &
+         answer%best%setup%adaptive))
+      keys_set = merge(5, 4, answer%best%setup%adaptive)
+      call fill_scene(scene%file, path, "chosen by poinsot choose: " // choice_sentence( &
+         scene, tol, answer), settings, keys(:keys_set), values(:keys_set), error)
       if (raised(error)) return
       call read_source(path, source, error)
       if (.not. raised(error)) call build_scene(source, again, error)

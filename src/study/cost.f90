@@ -55,6 +55,7 @@ contains
          associate (one => study%candidates(i))
             call make_plan(quiet, trim(one%method), plan_splitting(one), climbers(i)%plan, error)
          end associate
+         climbers(i)%adaptive = study%candidates(i)%adaptive
          if (raised(error)) return
       end do
       call climb(mine, begun, watch, climbers, study)

@@ -7,7 +7,8 @@ module poinsot_study_cost_climb
    use poinsot_study_cost_data, only: cost_request, cost_study
    use poinsot_study_cost_point, only: cost_point, digest, add_point, middle, error_of, of_both
    use poinsot_study_errors, only: body_errors, find_errors
-   use poinsot_study_trial, only: trial_run, run_trial, most_checks
+   use poinsot_taylor_settings, only: least_tolerance, most_tolerance
+   use poinsot_study_trial, only: trial_run, run_trial, set_tolerance, most_checks
    implicit none(type, external)
    private
    public :: climber, climb
@@ -26,9 +27,21 @@ module poinsot_study_cost_climb
       integer :: stalls = 0                       !! levels without gain
       real(dp) :: last = huge(1.0_dp)             !! error at the level before
       real(dp) :: seconds = 0                     !! of its last run, a step
+      logical :: adaptive = .false.               !! levels are tolerances
    end type climber
 
+   real(dp), parameter :: of_level = sqrt(0.1_dp) !! from one tolerance of `taylor` to the next
+
 contains
+
+   !> Tolerance at a level of `taylor`, counted from 1; 0 beyond the finest.
+   pure real(dp) function tolerance_of(level) result(tolerance)
+      integer, intent(in) :: level
+      tolerance = most_tolerance*of_level**(level - 1)
+      if (tolerance < 0.99_dp*least_tolerance) tolerance = 0
+      if (tolerance > 0) tolerance = max(tolerance, least_tolerance)
+   end function tolerance_of
+
 
    !> Number of steps at a level: 1, 2, 3, 4, 6, 8, 12, ...
    pure integer(i8) function steps_of(level) result(steps)
@@ -52,6 +65,10 @@ contains
       real(dp) :: left, level_took, limit
       n = 0
       limit = 1e30_dp
+      do i = 1, size(climbers)
+         if (climbers(i)%adaptive) call climb_tolerances(request, begun, watch, climbers(i), i, n, &
+            study)
+      end do
       level = 1
       if (.not. study%kind%free) level = 8
       do while (any(climbers%running) .and. level < 64)
@@ -64,11 +81,12 @@ contains
             if (climbers(i)%seconds*real(steps, dp) > min(left, one_share*request%budget) .or. &
                left <= 0) then
                climbers(i)%running = .false.
+               study%late = study%late + 1
                cycle
             end if
             if (watch%stop_now()) study%stopped = .true.
             if (study%stopped) exit
-            call one_point(request, climbers(i), i, steps, study, one)
+            call one_point(request, climbers(i), i, steps, 0.0_dp, study, one)
             call add_point(study%points, n, one)
             call judge(study%candidates(i)%order, study%points(:n), one, limit, climbers(i))
             call watch%report_progress(wall_seconds() - begun, request%budget)
@@ -82,25 +100,59 @@ contains
       call by_candidate(study%points(:n), size(climbers), study%points)
    end subroutine climb
 
+   !> Errors of `taylor`: all its tolerances, which take little time, before any other.
+   subroutine climb_tolerances(request, begun, watch, mine, number, n, study)
+      type(cost_request), intent(in) :: request
+      real(dp), intent(in) :: begun
+      class(run_watch), intent(inout) :: watch
+      type(climber), intent(inout) :: mine
+      integer, intent(in) :: number
+      integer, intent(inout) :: n               !! points there are
+      type(cost_study), intent(inout) :: study
+      type(cost_point) :: one
+      real(dp) :: left
+      integer :: level
+      level = 1
+      do while (tolerance_of(level) > 0)
+         left = error_share*request%budget - (wall_seconds() - begun)
+         if (2*mine%seconds > min(left, one_share*request%budget) .or. left <= 0) then
+            study%late = study%late + 1
+            exit
+         end if
+         if (watch%stop_now()) study%stopped = .true.
+         if (study%stopped) exit
+         call one_point(request, mine, number, 1_i8, tolerance_of(level), study, one)
+         call add_point(study%points, n, one)
+         level = level + 1
+      end do
+      mine%running = .false.
+   end subroutine climb_tolerances
+
    !> Run and compare.
-   subroutine one_point(request, mine, number, steps, study, one)
+   subroutine one_point(request, mine, number, steps, tolerance, study, one)
       type(cost_request), intent(in) :: request
       type(climber), intent(inout) :: mine
       integer, intent(in) :: number
       integer(i8), intent(in) :: steps
+      real(dp), intent(in) :: tolerance    !! of `taylor`, which takes the way in one call
       type(cost_study), intent(in) :: study
       type(cost_point), intent(out) :: one
       type(trial_run) :: run
       type(body_errors) :: errors
       one%candidate = number
       one%steps = steps
-      one%h = study%t_end/real(steps, dp)
-      call run_trial(mine%plan, study%members, study%t_end, steps, most_checks, &
+      if (mine%adaptive) then
+         one%steps = 1
+         one%tolerance = tolerance
+         call set_tolerance(mine%plan, tolerance)
+      end if
+      one%h = study%t_end/real(one%steps, dp)
+      call run_trial(mine%plan, study%members, study%t_end, one%steps, most_checks, &
          request%compensated, run)
       mine%seconds = run%seconds/real(steps, dp)
       one%good = run%good
       if (.not. run%good) return
-      one%guess = 1e9_dp*run%seconds/(real(steps, dp)*study%members%n)
+      one%guess = 1e9_dp*run%seconds/(real(one%steps, dp)*study%members%n)
       call find_errors(run, study%reference%state, study%t_end, errors)
       call digest(errors, study%members%given, one)
    end subroutine one_point

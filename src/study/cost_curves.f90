@@ -25,7 +25,9 @@ contains
       end = findloc(study%points%candidate, candidate, 1, back=.true.)
       last = end
       if (first == 0) return
-      if (study%candidates(candidate)%order == 0) return ! exact at any step: there is no such end
+      associate (one => study%candidates(candidate))
+         if (one%order == 0 .and. .not. one%adaptive) return ! exact at any step: no such end
+      end associate
       do i = first, end - 1
          associate (p => study%points(i))
             if (.not. p%good .or. error_of(p, what, middle) > near_rounding) cycle

@@ -37,6 +37,8 @@ module poinsot_study_cost_data
       type(drift_row), allocatable :: drift(:)    !! energy in long runs
       type(rival_point), allocatable :: rivals(:) !! other integrators, from files; size 0: none
       logical :: conserves = .false.              !! the scene keeps its energy
+      integer :: late = 0                         !! candidates given up for want of time
+      integer :: untimed = 0                      !! points with an error and no time
       real(dp) :: seconds = 0                     !! spent
       logical :: stopped = .false.                !! interrupted by the user
    end type cost_study

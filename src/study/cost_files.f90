@@ -8,7 +8,7 @@ module poinsot_study_cost_files
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_summary, only: brief_number
    use poinsot_scene_text, only: text_of
-   use poinsot_study_candidates, only: label_of
+   use poinsot_study_candidates, only: label_of, no_splitting
    use poinsot_study_cost_curves, only: find_curve
    use poinsot_study_cost_data, only: cost_study, cost_request, few
    use poinsot_study_cost_point, only: cost_point, cheapest, middle, worst, of_angle, of_momentum, &
@@ -24,7 +24,8 @@ module poinsot_study_cost_files
       "angle_median,angle_worst,angle_own,momentum_median,momentum_worst,momentum_own," // &
       "energy_median,energy_worst,energy_own,drift_median,drift_worst,drift_own," // &
       "ns_per_step,ns_least,ns_spread,single_ns_per_step,single_spread,repeats," // &
-      "ns_per_time,single_ns_per_time,good,front_angle,front_momentum,shown_angle,shown_momentum"
+      "ns_per_time,single_ns_per_time,good,front_angle,front_momentum,shown_angle,shown_momentum," // &
+      "tolerance"
 
 contains
 
@@ -48,7 +49,8 @@ contains
       call put(file, columns, error)
       do i = 1, size(study%points)
          call put(file, line_of(study, study%points(i)) // "," // flag(shown(i, of_angle)) // &
-                  "," // flag(shown(i, of_momentum)), error)
+                  "," // flag(shown(i, of_momentum)) // "," // &
+                  optional_text(study%points(i)%tolerance), error)
       end do
       call finish_out(file, error)
    end subroutine write_points
@@ -58,17 +60,21 @@ contains
       type(cost_point), intent(in) :: p
       character(:), allocatable :: line
       real(dp) :: numbers(20)
+      integer, parameter :: errors = 12         !! the first of them; then times
       integer :: i
       associate (one => study%candidates(p%candidate))
-         line = trim(one%method) // "," // trim(one%splitting) // "," // text_of(one%order) // &
-            "," // &
+         line = trim(one%method) // "," // trim(one%splitting)
+         if (one%adaptive) line = trim(one%splitting) // "," // no_splitting ! it uses no method
+         line = line // "," // text_of(one%order) // "," // &
                 text_of(one%turns) // "," // text_of(p%steps) // "," // short_text(p%h)
       end associate
       numbers = [p%angle, p%momentum, p%energy, p%slope, p%ns, p%ns_least, p%ns_spread, p%single, &
                  p%single_spread, real(p%repeats, dp), p%ns/p%h, p%single/p%h]
       do i = 1, size(numbers)
          line = line // ","
-         if (p%good) line = line // short_text(numbers(i)) ! of a failed run nothing is known
+         if (.not. p%good) cycle                ! of a failed run nothing is known
+         if (i > errors .and. p%repeats == 0) cycle ! there was no time to time it
+         line = line // short_text(numbers(i))
       end do
       line = line // "," // flag(p%good) // "," // flag(p%front(of_angle)) // "," // &
              flag(p%front(of_momentum))
@@ -81,6 +87,14 @@ contains
       write (buffer, "(es11.4e3)") x
       text = trim(adjustl(buffer))
    end function short_text
+
+   !> Nothing for a number that is not there.
+   pure function optional_text(x) result(text)
+      real(dp), intent(in) :: x
+      character(:), allocatable :: text
+      text = ""
+      if (x > 0) text = short_text(x)
+   end function optional_text
 
    pure character function flag(is)
       logical, intent(in) :: is
@@ -180,7 +194,7 @@ contains
       if (study%kind%noisy) call put(file, &
          "noise         off: the thermostat is at temperature 0, its " // &
                                      "friction is kept; noise makes samples, not solutions", error)
-      if (study%kind%limit > 0) call put(file, "order         at most " // &
+      if (study%kind%limit > 0) call put(file, "order         of splittings at most " // &
          text_of(study%kind%limit) // &
                                          ": the scene's drag or thermostat acts around the step", &
                                             error)
@@ -192,6 +206,12 @@ contains
       call put(file, "sums          " // trim(merge("compensated, as poinsot run has them", &
                                                    "plain                               ", &
                                                       request%compensated)), error)
+      if (study%late > 0) call put(file, "left out      shorter steps of " // &
+         text_of(study%late) // " candidates, for want of time: --budget gives more", error)
+      if (study%untimed > 0) call put(file, "not timed     " // text_of(study%untimed) // &
+         " of the points, for want of time", error)
+      if (study%conserves .and. size(study%drift) == 0 .and. request%timed) call put(file, &
+         "energy        in long runs was left out, for want of time", error)
       if (.not. study%conserves) call put(file, &
          "energy        is not kept by the scene: its error is the " // &
                                           "distance from the reference, and no long run is made", &
@@ -239,7 +259,7 @@ contains
             but=study%points(best)%candidate)
          associate (p => study%points(best))
             write (line, "(a9, 2x, a30, es11.3, 2es10.1e2, f12.2)") tolerance_text(tolerances(i)), &
-               label_of(study%candidates(p%candidate)), p%h, error_of(p, of_both, middle), &
+               point_label(study, p), p%h, error_of(p, of_both, middle), &
                error_of(p, of_both, worst), p%ns/p%h
          end associate
          if (next > 0) then
@@ -251,6 +271,15 @@ contains
          end if
       end do
    end subroutine put_choices
+
+   !> Who it is, and the tolerance of who has one.
+   function point_label(study, p) result(text)
+      type(cost_study), intent(in) :: study
+      type(cost_point), intent(in) :: p
+      character(:), allocatable :: text
+      text = label_of(study%candidates(p%candidate))
+      if (p%tolerance > 0) text = text // ", tolerance " // tolerance_text(p%tolerance)
+   end function point_label
 
    !> Rivals: their time over that of our cheapest, at equal error.
    subroutine put_rivals(file, study, tolerances, error)

@@ -45,7 +45,8 @@ contains
       do i = 1, size(at)
          associate (p => study%points(at(i)))
             call follow_energy(quiet, study%candidates(p%candidate), p%candidate, study%members, &
-                               p%h, study%t_end, each, request%compensated, watch, rows, n, error)
+                               p%h, p%tolerance, study%t_end, each, request%compensated, &
+                               watch, rows, n, error)
          end associate
          if (raised(error)) return
       end do

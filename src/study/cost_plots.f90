@@ -142,6 +142,7 @@ contains
          has_steps = size(study%candidates) <= few .or. one%method == "exact"
          call find_curve(study, k, of_angle, first, last)
          if (first == 0 .or. (last == first .and. one%order > 0)) has_steps = .false.
+         if (one%adaptive) has_steps = .false. ! it has tolerances
          if (.not. has_steps) return
          has_steps = any(study%points(first:last)%good)
          if (one%order > 0) has_steps = has_steps .and. &

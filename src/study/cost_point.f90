@@ -20,6 +20,7 @@ module poinsot_study_cost_point
       integer :: candidate = 0               !! number in the list of candidates
       integer(i8) :: steps = 0               !! from start to end
       real(dp) :: h = 0
+      real(dp) :: tolerance = 0              !! of `taylor`; 0 of others
       logical :: good = .false.              !! every body came through
       real(dp) :: angle(all_states) = 0      !! median, worst, worst of the scene's own; radians
       real(dp) :: momentum(all_states) = 0   !! relative
@@ -134,6 +135,7 @@ contains
          end associate
       end do
       if (before == 0) return
+      if (.not. points(before)%h > points(last)%h) return ! tolerances, not steps
       slope = log(points(before)%angle(middle)/points(last)%angle(middle))/ &
               log(points(before)%h/points(last)%h)
    end function slope_of

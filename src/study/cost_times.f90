@@ -9,6 +9,7 @@ module poinsot_study_cost_times
    use poinsot_study_members, only: member_set, repeat_members
    use poinsot_study_statistics, only: median, quantile
    use poinsot_study_timing, only: time_steps
+   use poinsot_study_trial, only: set_tolerance
    implicit none(type, external)
    private
    public :: take_times
@@ -26,7 +27,7 @@ contains
       type(cost_request), intent(in) :: request
       real(dp), intent(in) :: begun
       class(run_watch), intent(inout) :: watch
-      type(climber), intent(in) :: climbers(:)
+      type(climber), intent(inout) :: climbers(:)   !! their tolerances change
       type(cost_study), intent(inout) :: study
       type(member_set) :: many, one
       real(dp), allocatable :: ns(:, :), alone(:, :)
@@ -60,7 +61,8 @@ contains
             associate (p => study%points(i), plan => climbers(study%points(i)%candidate)%plan)
                if (watch%stop_now()) study%stopped = .true.
                if (.not. wanted(i) .or. study%stopped) cycle
-               if (round > 1 .and. wall_seconds() - begun > time_share*request%budget) cycle
+               if (wall_seconds() - begun > time_share*request%budget) cycle
+               if (p%tolerance > 0) call set_tolerance(climbers(p%candidate)%plan, p%tolerance)
                call time_steps(plan, many, p%h, p%guess, one_run, p%steps, request%compensated, &
                                ns(round, i))
                if (study%members%together == 1) then
@@ -77,6 +79,7 @@ contains
       do i = 1, size(study%points)
          associate (p => study%points(i))
             call summarise(ns(:p%repeats, i), alone(:p%repeats, i), p)
+            if (p%good .and. p%repeats == 0) study%untimed = study%untimed + 1
          end associate
       end do
    end subroutine take_times

@@ -10,7 +10,8 @@ module poinsot_study_energy_drift
    use poinsot_study_clock, only: wall_seconds
    use poinsot_study_members, only: member_set
    use poinsot_study_statistics, only: median
-   use poinsot_study_trial, only: make_plan, integrate, member_energies
+   use poinsot_study_trial, only: make_plan, set_tolerance, integrate, &
+      member_energies
    implicit none(type, external)
    private
    public :: drift_row, follow_energy
@@ -28,13 +29,16 @@ module poinsot_study_energy_drift
 contains
 
    !> Run a candidate for long, until its seconds are over.
-   subroutine follow_energy(scene, one, number, members, h, t_end, seconds, compensated, watch, &
+   subroutine follow_energy(scene, one, number, members, h, tolerance, t_end, seconds, &
+      compensated, watch, &
       rows, n, error)
       type(scene_settings), intent(in) :: scene
       type(candidate), intent(in) :: one
       integer, intent(in) :: number
       type(member_set), intent(in) :: members
-      real(dp), intent(in) :: h, t_end
+      real(dp), intent(in) :: h
+      real(dp), intent(in) :: tolerance           !! of `taylor`; 0 of others
+      real(dp), intent(in) :: t_end
       real(dp), intent(in) :: seconds             !! budget
       logical, intent(in) :: compensated
       class(run_watch), intent(inout) :: watch
@@ -50,6 +54,7 @@ contains
       logical :: good
       call make_plan(scene, trim(one%method), plan_splitting(one), plan, error)
       if (raised(error)) return
+      if (tolerance > 0) call set_tolerance(plan, tolerance)
       y = members%y
       q = members%q
       if (compensated) then

@@ -7,7 +7,7 @@ module poinsot_study_fill_scene
    use poinsot_scene_text, only: lower
    implicit none(type, external)
    private
-   public :: fill_scene, set_keys, text_line, insert_line
+   public :: fill_scene, set_keys, text_line, insert_line, set_as_told
 
    !> A line of any length.
    type :: text_line
@@ -18,9 +18,10 @@ contains
 
    !> Copy a scene file with keys of &scene set. Error: POINSOT_E_IO; POINSOT_E_SCENE if there is no
    !> &scene in it.
-   subroutine fill_scene(from, to, head, keys, values, error)
+   subroutine fill_scene(from, to, head, settings, keys, values, error)
       character(*), intent(in) :: from, to       !! files
       character(*), intent(in) :: head           !! a comment for the first line
+      type(text_line), intent(in) :: settings(:) !! of --set: group.key=value, set before
       character(*), intent(in) :: keys(:)
       type(text_line), intent(in) :: values(:) !! as they stand in the file, strings with their
          !! quotes
@@ -31,6 +32,9 @@ contains
       logical :: found
       call read_lines(from, lines, error)
       if (raised(error)) return
+      do i = 1, size(settings)
+         call set_as_told(lines, settings(i)%text)
+      end do
       call set_keys(lines, "scene", keys, values, found)
       if (.not. found) then
          call raise(error, poinsot_e_scene, from // ": has no &scene group")
@@ -81,20 +85,49 @@ contains
       close (unit)
    end subroutine read_lines
 
-   !> Set keys of the first group of a name. A value that is there is replaced where it stands; a
-   !> key that is not there is added behind the group's name.
-   subroutine set_keys(lines, group, keys, values, found)
+   !> "group.key=value" or "group(2).key=value", as --set has it, which was found right before; a
+   !> group that is not there is added.
+   subroutine set_as_told(lines, setting)
+      type(text_line), allocatable, intent(inout) :: lines(:)
+      character(*), intent(in) :: setting
+      character(:), allocatable :: group, key
+      integer :: equals, dot, open, nth, code
+      logical :: found
+      equals = index(setting, "=")
+      dot = index(setting(:equals), ".")
+      group = lower(trim(adjustl(setting(:dot - 1))))
+      key = lower(trim(adjustl(setting(dot + 1:equals - 1))))
+      nth = 1
+      open = index(group, "(")
+      if (open > 0) then
+         read (group(open + 1:len(group) - 1), *, iostat=code) nth
+         if (code /= 0) nth = 1
+         group = trim(group(:open - 1))
+      end if
+      call set_keys(lines, group, [key], [text_line(trim(adjustl(setting(equals + 1:))))], found, &
+         nth)
+      if (.not. found) call insert_line(lines, size(lines), "&" // group // " " // key // " = " // &
+         trim(adjustl(setting(equals + 1:))) // " /")
+   end subroutine set_as_told
+
+   !> Set keys of the first group of a name, or of another. A value that is there is replaced where it
+   !> stands; a key that is not there is added behind the group's name.
+   subroutine set_keys(lines, group, keys, values, found, nth)
       type(text_line), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: group          !! lower case
       character(*), intent(in) :: keys(:)        !! lower case
       type(text_line), intent(in) :: values(:)
       logical, intent(out) :: found              !! is there such a group?
+      integer, intent(in), optional :: nth       !! of that name, from 1
       logical :: done(size(keys)), ended
-      integer :: i, k, at, first
+      integer :: i, k, at, first, left
       found = .false.
+      left = 1
+      if (present(nth)) left = nth
       do first = 1, size(lines)
          at = group_at(lines(first)%text, group)
-         if (at == 0) cycle
+         if (at > 0) left = left - 1
+         if (at == 0 .or. left > 0) cycle
          found = .true.
          exit
       end do
@@ -181,11 +214,26 @@ contains
          if (scan(text(at:at), "'""") > 0) then
             last = at + index(text(at + 1:), text(at:at))
          else
-            last = at + scan(text(at:) // " ", " ,/!" // achar(9)) - 2
+            last = end_of_value(text, at)
          end if
       end if
       text = text(:at - 1) // value // text(last + 1:)
    end subroutine replace_value
+
+   !> Column of the last character of a value without quotes that begins at column `at`: one number
+   !> or several.
+   pure integer function end_of_value(text, at) result(last)
+      character(*), intent(in) :: text
+      integer, intent(in) :: at
+      integer :: next
+      last = at + scan(text(at:) // " ", " ,/!" // achar(9)) - 2
+      do
+         next = last + verify(text(last + 1:) // "!", " ," // achar(9))
+         if (next > len(text)) return
+         if (scan(text(next:next), "0123456789+-.") == 0) return
+         last = next + scan(text(next:) // " ", " ,/!" // achar(9)) - 2
+      end do
+   end function end_of_value
 
    !> "key = value" behind the group's name: on a line of its own where that line holds nothing
    !> else.

@@ -15,7 +15,7 @@ module poinsot_study_reference
    use poinsot_scene_text, only: text_of
    use poinsot_study_candidates, only: scene_kind, candidate, list_candidates, plan_splitting, &
       label_of, no_splitting, any_name
-   use poinsot_study_clock, only: time_limit, part_of, now_by, left_of
+   use poinsot_study_clock, only: time_limit, part_of, now_by, left_of, processor_seconds
    use poinsot_study_errors, only: end_state, compare_states
    use poinsot_study_members, only: member_set
    use poinsot_study_quadruple, only: turn_freely
@@ -35,6 +35,8 @@ module poinsot_study_reference
       type(end_state) :: state
       real(dp), allocatable :: angle(:), momentum(:) !! (n): its own error, as estimated
       character(:), allocatable :: how               !! for people
+      real(dp) :: seconds = 0                        !! of the processor, for all members alike
+      logical :: series = .false.                    !! by Taylor series: at any time at little cost
    end type reference_solution
 
 contains
@@ -60,12 +62,16 @@ contains
       end if
       served = .false.
       if (.not. kind%coupled) call solve_torques(scene, members, t_end, checks, limit, &
-         target_error, reference%state, reference%angle, reference%momentum, reference%how, served)
+         target_error, reference%state, reference%angle, reference%momentum, reference%how, &
+         reference%seconds, served)
       if (served) then
+         reference%series = .true.
          reference%state%scale = positive(reference%state%scale)
       else
+         reference%seconds = processor_seconds()
          call solve_forced(scene, kind, members, t_end, checks, limit, target_error, reference, &
             error)
+         reference%seconds = processor_seconds() - reference%seconds
       end if
    end subroutine find_reference
 

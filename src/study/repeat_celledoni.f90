@@ -5,7 +5,6 @@
 module poinsot_study_repeat_celledoni
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_e_convergence
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_reader, only: scan_source
@@ -14,7 +13,7 @@ module poinsot_study_repeat_celledoni
    use poinsot_scene_text, only: text_of
    use poinsot_scene_watch, only: run_watch
    use poinsot_study_candidates, only: any_name
-   use poinsot_study_choose, only: choose_request, choice, choose_method
+   use poinsot_study_choose, only: choose_request, choice, choose_method, tolerance_kept
    implicit none(type, external)
    private
    public :: repeat_celledoni
@@ -51,8 +50,8 @@ contains
             request%methods = [character(24) :: rotors(m)]
             refused = poinsot_error()
             call choose_method(scene, request, watch, found(i, m), refused)
-            if (refused%code == poinsot_e_convergence) cycle ! too slow: no point in the picture
             if (raised(refused)) error = refused
+            if (found(i, m)%ended /= tolerance_kept) found(i, m)%best%h = 0 ! no point
             call watch%report_progress(real(i + (m - 1)*most, dp), real(most**2, dp))
          end do
       end do

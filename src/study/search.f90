@@ -9,11 +9,12 @@ module poinsot_study_search
    use poinsot_study_errors, only: end_state, compare_states
    use poinsot_study_members, only: member_set
    use poinsot_study_statistics, only: median
-   use poinsot_study_trial, only: trial_run, run_trial
+   use poinsot_study_trial, only: trial_run, run_trial, set_tolerance
+   use poinsot_taylor_settings, only: least_tolerance, most_tolerance
    use poinsot_core_kinds, only: qp
    implicit none(type, external)
    private
-   public :: problem, contender, search_steps, try_steps
+   public :: problem, contender, search_steps, step_of, price_of
 
    !> What has to be solved.
    type :: problem
@@ -25,13 +26,20 @@ module poinsot_study_search
       real(dp) :: margin = 1               !! times the error measured must be within
       integer(i8) :: unit = 1 !! steps come in multiples of this (pieces between outputs)
       real(dp) :: longest = 0              !! step with one multiple
+      integer(i8) :: pieces = 1            !! calls of `taylor`, which takes no shorter ones
    end type problem
 
    !> A candidate in the race. Multiples of the unit, not steps.
    type :: contender
       type(poinsot_plan) :: plan
       integer :: order = 0
+      logical :: adaptive = .false.        !! a tolerance, `multiple` is 1
+      integer(i8) :: unit = 1              !! calls with one multiple
+      real(dp) :: longest = 0              !! their length
       logical :: running = .true.
+      logical :: late = .false.            !! given up for want of time
+      real(dp) :: tolerance = 0            !! of `taylor`, with which it met
+      real(dp) :: best_tolerance = 0       !! with which it came nearest
       integer(i8) :: failed = 0            !! most multiples that did not do
       integer(i8) :: met = 0               !! fewest that did; 0: none yet
       real(dp) :: error = 0                !! with `met` multiples, before the margin
@@ -45,6 +53,7 @@ module poinsot_study_search
 
    real(dp), parameter, public :: usual_slack = 1.6_dp !! seen in passing, times are so uncertain
    real(dp), parameter :: close_enough = 1.06_dp
+   real(dp), parameter :: usual_share = 0.03_dp !! of its tolerance: the error that `taylor` makes
 
 contains
 
@@ -60,6 +69,11 @@ contains
       real(dp) :: begun
       integer :: i
       begun = now_by(limit)
+      do i = 1, size(contenders)
+         if (.not. (contenders(i)%adaptive .and. contenders(i)%running)) cycle
+         call find_tolerance(task, limit, watch, contenders(i))
+         contenders(i)%running = .false.
+      end do
       multiple = 1
       do while (any(contenders%running) .and. multiple < 2_i8**40/task%unit)
          do i = 1, size(contenders)
@@ -67,12 +81,14 @@ contains
             if (estimate(task, contenders(i), multiple) > left_of(limit) .or. &
                watch%stop_now()) then
                contenders(i)%running = .false.
+               contenders(i)%late = .true.
                cycle
             end if
             call try_steps(task, multiple, contenders(i))
             contenders(i)%running = contenders(i)%met == 0
-            if (contenders(i)%running) contenders(i)%running = cost_of(contenders(i), multiple) <= &
-                                                       slack*lowest_cost(contenders)
+            if (price_of(contenders(i), multiple) > slack*lowest_cost(contenders)) then
+               contenders(i)%running = .false.
+            end if
             if (stalled(contenders(i), multiple)) contenders(i)%running = .false.
             if (beaten(contenders, i, 2*slack)) contenders(i)%running = .false.
             call watch%report_progress(now_by(limit) - begun, limit%at - begun)
@@ -81,6 +97,62 @@ contains
       end do
       call narrow(task, contenders, slack, limit, watch)
    end subroutine search_steps
+
+   !> The largest tolerance of `taylor` that does: errors are in proportion to it, down to rounding.
+   subroutine find_tolerance(task, limit, watch, one)
+      type(problem), intent(in) :: task
+      type(time_limit), intent(in) :: limit
+      class(run_watch), intent(inout) :: watch
+      type(contender), intent(inout) :: one
+      type(contender) :: trial
+      real(dp) :: next, ratio, low, high
+      integer :: tries
+      low = 0
+      high = huge(high)
+      next = task%tol/(task%margin*task%growth*usual_share)
+      do tries = 1, 12
+         next = min(most_tolerance, max(least_tolerance, two_digits(next)))
+         one%late = estimate(task, one, 1_i8) > left_of(limit) .or. watch%stop_now()
+         if (one%late) exit
+         trial = one
+         trial%met = 0
+         trial%last = huge(trial%last)
+         call set_tolerance(trial%plan, next)
+         call try_steps(task, 1_i8, trial)
+         ratio = 0.1_dp
+         if (trial%last < 1) ratio = 0.7_dp*task%tol/(task%margin*max(trial%last, &
+            tiny(ratio)**0.5_dp))
+         if (trial%met > 0) then
+            low = next
+            one = trial
+            if (next >= most_tolerance .or. ratio < 1.6_dp) exit
+            next = next*min(ratio, 30.0_dp)
+         else
+            high = next
+            if (low <= 0) one = trial
+            if (next <= least_tolerance) exit
+            next = next*max(1e-3_dp, min(ratio, 0.3_dp))
+         end if
+         if (next >= high .or. next <= low) next = sqrt(low*high)
+         if (next < 1.3_dp*low) exit
+      end do
+   end subroutine find_tolerance
+
+   !> A number no larger, of two digits: people read it.
+   pure real(dp) function two_digits(x)
+      real(dp), intent(in) :: x
+      integer :: power
+      power = floor(log10(x)) - 1
+      two_digits = real(floor(x/10.0_dp**power), dp)*10.0_dp**power
+      if (power < 0) two_digits = real(floor(x*10.0_dp**(-power)), dp)/10.0_dp**(-power)
+   end function two_digits
+
+   !> The step of a contender with so many multiples.
+   pure real(dp) function step_of(one, multiple)
+      type(contender), intent(in) :: one
+      integer(i8), intent(in) :: multiple
+      step_of = one%longest/real(multiple, dp)
+   end function step_of
 
    !> Rounding is reached, and shorter steps do not help.
    pure logical function stalled(one, multiple)
@@ -105,7 +177,7 @@ contains
       type(problem), intent(in) :: task
       type(contender), intent(in) :: one
       integer(i8), intent(in) :: multiple
-      estimate = 1e-9_dp*one%ns*task%members%n*real(multiple*task%unit, dp)
+      estimate = 1e-9_dp*task%members%n*price_of(one, multiple)
    end function estimate
 
    !> Run one candidate with one step.
@@ -117,7 +189,7 @@ contains
       real(dp), allocatable :: angle(:), momentum(:)
       real(dp) :: near, given, deviation
       integer(i8) :: steps
-      steps = multiple*task%unit
+      steps = multiple*one%unit
       call run_trial(one%plan, task%members, task%t_end, steps, 1, .true., run)
       one%ns = 1e9_dp*run%seconds/(real(steps, dp)*task%members%n)
       if (.not. run%good) then
@@ -130,14 +202,16 @@ contains
       given = maxval(angle(:task%members%given))
       deviation = max(near, given)
       one%last = deviation
-      one%paid = cost_of(one, multiple)
+      one%paid = price_of(one, multiple)
       if (deviation < 0.7_dp*one%best_error) then
          one%best_error = deviation
          one%best_multiple = multiple
+         one%best_tolerance = one%plan%tolerance
       end if
       if (deviation*task%margin <= task%tol) then
-         if (one%met > 0 .and. multiple >= one%met) return
+         if (one%met > 0 .and. multiple >= one%met .and. .not. one%adaptive) return
          one%met = multiple
+         one%tolerance = one%plan%tolerance
          one%error = deviation
          one%given = given
          one%near = near
@@ -147,18 +221,18 @@ contains
    end subroutine try_steps
 
    !> Time per unit of simulated time, in units that all candidates share.
-   pure real(dp) function cost_of(one, multiple)
+   pure real(dp) function price_of(one, multiple)
       type(contender), intent(in) :: one
       integer(i8), intent(in) :: multiple
-      cost_of = one%ns*real(multiple, dp)
-   end function cost_of
+      price_of = one%ns*real(multiple*one%unit, dp)
+   end function price_of
 
    pure real(dp) function lowest_cost(contenders)
       type(contender), intent(in) :: contenders(:)
       integer :: i
       lowest_cost = 1e100_dp
       do i = 1, size(contenders)
-         if (contenders(i)%met > 0) lowest_cost = min(lowest_cost, cost_of(contenders(i), &
+         if (contenders(i)%met > 0) lowest_cost = min(lowest_cost, price_of(contenders(i), &
             contenders(i)%met))
       end do
    end function lowest_cost
@@ -183,7 +257,7 @@ contains
             call guess_multiple(task, contenders(i), multiple)
             closed(i) = multiple == 0
             if (closed(i)) cycle
-            expected = cost_of(contenders(i), max(multiple, contenders(i)%failed + 1))
+            expected = price_of(contenders(i), max(multiple, contenders(i)%failed + 1))
             if (expected > slack*lowest_cost(contenders)) closed(i) = .true.
             if (closed(i) .or. expected >= least) cycle
             least = expected

@@ -29,7 +29,7 @@ contains
    !> Solve for all members. `served` is false, and nothing done, if an effect is no data, or a body
    !> turns too fast for the integrator.
    subroutine solve_torques(scene, members, t_end, checks, limit, enough, state, angle, &
-      momentum, how, served)
+      momentum, how, seconds, served)
       type(scene_settings), intent(in) :: scene
       type(member_set), intent(in) :: members
       real(dp), intent(in) :: t_end
@@ -39,6 +39,7 @@ contains
       type(end_state), intent(inout) :: state        !! `scale`: kinetic energies
       real(dp), allocatable, intent(out) :: angle(:), momentum(:)  !! (n): estimates
       character(:), allocatable, intent(out) :: how  !! for people
+      real(dp), intent(out) :: seconds               !! of the processor, in double precision
       logical, intent(out) :: served
       type(poinsot_plan) :: plan
       type(poinsot_error) :: refused
@@ -47,6 +48,7 @@ contains
       integer, allocatable :: at(:)
       logical, allocatable :: solved(:)
       served = .false.
+      seconds = 0
       call make_plan(scene, "exact", "taylor", plan, refused)
       if (.not. raised(refused)) call torque_problems(plan, problems, refused)
       if (raised(refused)) return
@@ -56,6 +58,7 @@ contains
       call set_tolerance(plan, 10*least_tolerance)
       call run_trial(plan, members, t_end, 1_i8, 1, .true., rough)
       served = rough%good
+      seconds = run%seconds + rough%seconds
       if (.not. served) return
       state%y = run%y
       state%q = run%q
