@@ -93,7 +93,9 @@ contains
       it%message = "set-up"
       if (allocated(error%message)) it%message = error%message
       if (.not. it%good) return
-      if (size(it%acting%torques) == 0) it%scheme = free_scheme(it%scheme%middle > 0 .and. size(it%acting%dissipative) > 0)
+      if (size(it%acting%torques) == 0) it%scheme = free_scheme(it%scheme%middle > 0 .and. &
+         size(it%acting%dissipative) > 0)
+      nullify (it%block%own)
       call it%block%attach(it%class, it%method, it%acting, it%effects, 0_i8)
       it%block%compensated = .false.
       it%block%n = lanes

@@ -22,6 +22,7 @@ module poinsot_splitting_block_flows
 
    !> What is not asked for is not filled: `id`, `carry`, `at`, all work space, and what `attach`
    !> sets. Nothing has a default, which would be copied with all the rest for every chunk.
+   ! allow(C101)
    type, extends(flows) :: block_flows
       real(dp) :: y(lanes, 3)                 !! angular momenta, principal frame
       real(dp) :: q(lanes, 4)                 !! attitudes
@@ -37,11 +38,11 @@ module poinsot_splitting_block_flows
       logical :: stored                       !! the caller's arrays have the result already
       logical :: drops                        !! momentum about an axis without inertia was dropped
       logical :: dropped(lanes)               !! in these lanes, if so
-      type(body_class), pointer :: class => null()
-      type(lane_moments), pointer :: own => null() !! moments that are not those of the class
+      type(body_class), pointer :: class
+      type(lane_moments), pointer :: own !! moments that are not those of the class
       ! set by `attach`: what acts on it
-      type(free_method), pointer :: method => null()
-      type(class_flows), pointer :: acting => null()
+      type(free_method), pointer :: method
+      type(class_flows), pointer :: acting
       type(effect_item), pointer :: effects(:) !! of the plan
       integer(i8) :: seed                     !! of random numbers
       ! work space
