@@ -37,7 +37,8 @@ module poinsot_interface
       poinsot_plan_add_class_tensor, poinsot_plan_class_axes
    public :: poinsot_plan_set, poinsot_plan_add_effect, poinsot_plan_ready, poinsot_plan_message, &
       poinsot_bodies_check
-   public :: poinsot_drift, poinsot_kick, poinsot_dissipate, poinsot_step, poinsot_energy, poinsot_momentum, &
+   public :: poinsot_drift, poinsot_kick, poinsot_dissipate, poinsot_step, poinsot_energy, &
+      poinsot_momentum, &
       poinsot_degrees_of_freedom
 
    type, bind(c) :: poinsot_bodies

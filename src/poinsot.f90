@@ -67,7 +67,8 @@ module poinsot
       poinsot_plan_add_class_tensor, poinsot_plan_class_axes, poinsot_plan_set
    public :: poinsot_plan_add_effect, poinsot_plan_ready
    public :: poinsot_bodies, poinsot_bodies_rows, poinsot_bodies_arrays
-   public :: poinsot_drift, poinsot_kick, poinsot_dissipate, poinsot_step, poinsot_energy, poinsot_momentum, &
+   public :: poinsot_drift, poinsot_kick, poinsot_dissipate, poinsot_step, poinsot_energy, &
+      poinsot_momentum, &
       poinsot_degrees_of_freedom
    public :: poinsot_torque, poinsot_effect, poinsot_user_torque, poinsot_user_potential
 

@@ -92,7 +92,8 @@ contains
          n = size(scheme%operations)
          associate (ops => scheme%operations, back => scheme%operations(n:1:-1))
             call expect(error, scheme%symmetric .and. &
-                       (mod(n, 2) == 1 .or. scheme%middle == n/2) .and. all(ops%b == back%b) .and. all(ops%c == back%c) .and. &
+                       (mod(n, 2) == 1 .or. scheme%middle == n/2) &
+                       .and. all(ops%b == back%b) .and. all(ops%c == back%c) .and. &
                        all(ops%is_kick .eqv. back%is_kick), "not symmetric: "//scheme%name)
             call expect(error, all((ops(2:)%is_kick .neqv. ops(:n - 1)%is_kick) .or. &
                [(k == scheme%middle, k=1, n - 1)]), &

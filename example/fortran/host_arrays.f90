@@ -131,7 +131,8 @@ contains
       print '(3a)', what, ": ", error%message
       if (error%code == poinsot_e_partial) then
          do i = 1, n
-            if (each(i) /= 0) print '(a, i0, 2a)', "molecule ", i, ": ", poinsot_status_text(each(i))
+            if (each(i) == 0) cycle
+            print '(a, i0, 2a)', "molecule ", i, ": ", poinsot_status_text(each(i))
          end do
       end if
       error stop
