@@ -78,10 +78,21 @@ instructions() {
       { printf "   %-8s %-22s %8s %13s %7s %7s %11s %18s %16s %7s\n", $1, $2, $3, $4, $5, $6, $7, $8, $9, $10 }'
 }
 
+# What a host pays: layouts, members of poinsot_bodies, few bodies.
+ways() {
+   have "$CC" && "$CC" -O2 -march=native -ffp-contract=fast -I include -c bench/ways.c -o $out/ways.o 2>/dev/null || return 0
+   "$FC" $flags $out/ways.o $libraries -o $out/ways || return 0
+   echo
+   echo "what a host pays, by the ways of poinsot_bodies"
+   echo
+   $out/ways $quick
+}
+
 {
    machine
    $out/bench $quick $out || exit 1
    elliptic
+   ways
    [ -n "$quick" ] || instructions
    echo
    echo "written: $out/report.txt, times.csv, errors.csv$([ -n "$quick" ] || echo ', instructions.csv, functions.csv')"
