@@ -21,7 +21,8 @@ module test_hard_tops
    private
    public :: collect_hard_tops
 
-   real(dp), parameter :: lagrange(3) = [0.6_dp, 0.6_dp, 1.0_dp], generic(3) = [0.6_dp, 0.8_dp, 1.0_dp]
+   real(dp), parameter :: lagrange(3) = [0.6_dp, 0.6_dp, 1.0_dp]
+   real(dp), parameter :: generic(3) = [0.6_dp, 0.8_dp, 1.0_dp]
 
 contains
 
@@ -115,8 +116,8 @@ contains
       call expect(error, gap < max(may, 4e-14_dp), "fast top is "//text(gap)//" off")
    end subroutine test_fast
 
-   !> 250 steps there and 250 back with a rotor of order 2: as with an exact one, but for a processed
-   !> scheme, whose processor leaves out more where the rotor is not exact.
+   !> 250 steps there and 250 back with a rotor of order 2: as with an exact one, but for a
+   !> processed scheme, whose processor leaves out more where the rotor is not exact.
    subroutine test_back(error)
       type(error_type), allocatable, intent(out) :: error
       character(18), parameter :: rotors(5) = [character(18) :: "dmv2", "midpoint", &

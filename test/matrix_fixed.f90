@@ -10,6 +10,18 @@ module test_matrix_fixed
    private
    public :: by_fixed
 
+   abstract interface
+      subroutine torque_routine(t, bodies, q, torque, stop)
+         import :: dp
+         implicit none(type, external)
+         real(dp), intent(in) :: t
+         integer, intent(in) :: bodies
+         real(dp), intent(in) :: q(bodies, 4)
+         real(dp), intent(inout) :: torque(bodies, 3)
+         integer, intent(inout) :: stop
+      end subroutine torque_routine
+   end interface
+
    interface
       subroutine poinsot_plan_create_f(plan, status)
          import :: dp, i8
@@ -70,7 +82,7 @@ module test_matrix_fixed
       end subroutine poinsot_step_f
       subroutine poinsot_step_torque_f(plan, n, y, q, class, t, h, first, steps, torques, each, &
             status)
-         import :: dp, i8
+         import :: dp, i8, torque_routine
          implicit none(type, external)
          integer(i8), intent(in) :: plan
          integer, intent(in) :: n, class(*)
@@ -78,7 +90,7 @@ module test_matrix_fixed
          real(dp), intent(in) :: t, h
          integer, intent(in) :: first, steps
          integer, intent(inout) :: each(*)
-         external :: torques
+         procedure(torque_routine) :: torques
          integer, intent(out) :: status
       end subroutine poinsot_step_torque_f
       subroutine poinsot_energy_f(plan, n, y, q, class, t, kinetic, potential, status)

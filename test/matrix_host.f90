@@ -105,12 +105,14 @@ contains
          c = i
          p(:, i) = [y(:, i), 0.0_dp]
          select case (form)
+         case (1)
+            cycle
          case (2)
             p(:3, i) = rotate(q(:, i), y(:, i))
          case (3, 4)
             p(:3, i) = matmul(tensor_of(this, c, -1), y(:, i) - total_rotor(this, c))
             if (form == 4) p(:3, i) = rotate(q(:, i), p(:3, i))
-         case (5)
+         case default
             p(:, i) = 2*quaternion_product(q(:, i), [0.0_dp, y(:, i)])
          end select
       end do
@@ -126,12 +128,14 @@ contains
          c = i
          y(:, i) = p(:3, i)
          select case (form)
+         case (1)
+            cycle
          case (2)
             y(:, i) = rotate_back(q(:, i), y(:, i))
          case (3, 4)
             if (form == 4) y(:, i) = rotate_back(q(:, i), y(:, i))
             y(:, i) = matmul(tensor_of(this, c, 1), y(:, i)) + total_rotor(this, c)
-         case (5)
+         case default
             w = quaternion_product([q(1, i), -q(2:, i)], p(:, i))/2
             y(:, i) = w(2:)
          end select

@@ -1,6 +1,6 @@
 !> The judge of the matrix of entries: equations of motion of y and q by an extrapolated midpoint
-!> rule in extended precision, in whatever body frame, with the torques of mathematics.md written anew.
-!> Nothing of src but kinds; of a problem it reads the data.
+!> rule in extended precision, in whatever body frame, with the torques of mathematics.md written
+!> anew. Nothing of src but kinds; of a problem it reads the data.
 !>
 !> An effect that it has no law for is judged by its potential energy: the torque is the derivative
 !> of that by a turn of the body.
@@ -179,6 +179,8 @@ contains
             v = torque_at(one, t)
             if (word(one, "frame", "body") == "space") v = to_body(x(4:, i), v)
             torque(:, i) = torque(:, i) + v
+         case default
+            cycle ! friction, wheels, and what is judged by its energy
          end select
       end do
    end subroutine add_torque
@@ -215,6 +217,8 @@ contains
                   v = to_body(x(:, i), unit(one, "direction", [0, 0, 1]))
                   u(i) = u(i) - number(one, "stiffness", 0.0_wp)/2* &
                      dot_product(unit(one, "axis", [0, 0, 1]), v)**2
+               case default
+                  cycle ! no potential
                end select
             end do
          end associate
@@ -371,8 +375,9 @@ contains
          end do
       else
          v = vector(one, "value")
-         if (given(one, "frequency") .or. given(one, "phase")) &
+         if (given(one, "frequency") .or. given(one, "phase")) then
             v = v*cos(number(one, "frequency", 0.0_wp)*t + number(one, "phase", 0.0_wp))
+         end if
       end if
    end function torque_at
 

@@ -1,6 +1,6 @@
 !> Problems of the matrix of entries: bodies, effects with their settings, a start, each a function
-!> of a number; and the same problem put in another frame of the bodies. All that is known of an effect
-!> here is the description of its keys: a new one needs no line.
+!> of a number; and the same problem put in another frame of the bodies. All that is known of an
+!> effect here is the description of its keys: a new one needs no line.
 module test_matrix_problem
    use poinsot_core_kinds, only: dp, i8
    use poinsot_effect_registry, only: effect_count, describe_effect
@@ -75,6 +75,7 @@ contains
          case (0); part(2) = part(1)
          case (1); part = part(1)
          case (2); part(1) = 0
+         case default ! generic
          end select
          this%principal(:, i) = sum(part) - part
       end do
@@ -138,8 +139,9 @@ contains
          if (count > 1 .and. key%frame /= per_axis .and. turn < 0.5_dp) values(i) = -values(i)
          ! bodies not so near to each other that steps are long beside their motion
          if (key%units == "length" .and. count == 1) values(i) = 3*values(i)
-         if (key%units == "length" .and. key%most < 0 .and. mod(i, 3) == 1) &
+         if (key%units == "length" .and. key%most < 0 .and. mod(i, 3) == 1) then
             values(i) = values(i) + real(2*i, dp)/3
+         end if
       end do
       if (key%frame == per_axis .and. count == 3) this%per_axis = .true.
    end function numbers

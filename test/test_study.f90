@@ -16,8 +16,8 @@ module test_study
    use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, list_candidates, &
       quiet_scene, any_name
    use poinsot_study_cost, only: cost_request, cost_study, study_cost
-   use poinsot_study_cost_point, only: cost_point, digest, frontier, cheapest, middle, worst, of_angle, &
-      of_both
+   use poinsot_study_cost_point, only: cost_point, digest, frontier, cheapest, middle, worst, &
+      of_angle, of_both
    use poinsot_study_cost_curves, only: find_curve
    use poinsot_study_efficient, only: frontier_part, frontier_parts
    use poinsot_study_errors, only: attitude_error, body_errors

@@ -97,8 +97,8 @@ contains
       end do
    end function measure_promise
 
-   !> A tensor knows a small moment only to its rounding, and axes of equal moments not at all, which
-   !> methods of fixed axes go by.
+   !> A tensor knows a small moment only to its rounding, and axes of equal moments not at all, by
+   !> which methods of fixed axes go.
    real(dp) function another_frame(method, b) result(figure)
       type(free_method), intent(in) :: method
       integer, intent(in) :: b
