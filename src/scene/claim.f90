@@ -48,8 +48,8 @@ contains
          character(*), intent(in) :: name
          if (raised(error) .or. is_one_of(name, of_run) .or. is_one_of(name, of_study)) return
          if (file_exists(out // "/" // name)) call raise(error, poinsot_e_io, &
-            out // "/" // name // ": this command would replace it, and no earlier one wrote it; move it away, or " // &
-            "choose another --out")
+            out // "/" // name // ": this command would replace it, and no earlier one wrote " // &
+            "it; move it away, or choose another --out")
       end subroutine check_name
 
    end subroutine claim_files

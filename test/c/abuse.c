@@ -1,5 +1,6 @@
 /* What a C host may do wrong, and what it may ask for twice: answered, never suffered. Run plainly, under the sanitizers and
  * under valgrind. */
+#include <fenv.h>
 #include <math.h>
 #include <poinsot.h>
 #include <stdio.h>
@@ -694,6 +695,7 @@ static void long_text(void) {
 
 /* A thread that does not round to nearest is told so, by every way in; afterwards all is as before. */
 static void rounding(void) {
+  enum { n = 3 };
   const int modes[3] = {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
   const double h = 0.1, torque[n][3] = {{0.1, 0.2, 0.3}}, *const columns[3] = {torque[0], torque[0] + 1, torque[0] + 2};
   const int exact = 1, one = 1, bodies = n;
@@ -706,7 +708,10 @@ static void rounding(void) {
   CHECK(poinsot_plan_create(&plan) == POINSOT_OK);
   CHECK(poinsot_plan_add_class(plan, moments, NULL) == POINSOT_OK);
   CHECK(poinsot_plan_ready(plan) == POINSOT_OK);
-  START(y, q)
+  for (i = 0; i < n; i++) {
+    y[i][0] = 0.1, y[i][1] = 0.2, y[i][2] = 0.3;
+    q[i][0] = 1, q[i][1] = q[i][2] = q[i][3] = 0;
+  }
   CHECK(poinsot_bodies_rows(&view, "native", "wxyz", n, y[0], q[0]) == POINSOT_OK);
   for (k = 0; k < 3; k++) {
     fesetround(modes[k]);
