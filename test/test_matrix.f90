@@ -1,7 +1,7 @@
 !> The matrix of entries: every effect alone and in pairs, with moments in any order and with a
 !> tensor, without a wheel and with one, by every way into the library and in every momentum
-!> variable: the same states and energies, those of a judge that shares no code. A new effect enters by its
-!> description.
+!> variable: the same states and energies, those of a judge that shares no code. A new effect enters
+!> by its description.
 module test_matrix
    use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp
