@@ -85,7 +85,9 @@ contains
          case ("too-far"); one = too_far(method, b)
          case ("near-unit"); one = near_unit(name, b)
          case ("frame"); one = another_frame(method, b)
-         case ("wheel"); one = with_a_wheel(name, moments(:, b), momenta(:, b))
+         case ("wheel")
+            one = measured_nothing ! there is none on a linear body
+            if (moments(1, b) > 0) one = with_a_wheel(name, moments(:, b), momenta(:, b))
          case ("slack"); one = few_digits(name)
          case default; one = no_unit(name, b)
          end select
