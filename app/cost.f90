@@ -2,11 +2,11 @@
 module app_cost
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_scene_files, only: make_folder
+   use poinsot_scene_claim, only: claim_files
    use poinsot_scene_settings, only: scene_settings
    use poinsot_study_cost, only: cost_request, cost_study, study_cost
    use poinsot_study_cost_files, only: write_points, write_members, write_report, write_drift_rows
-   use poinsot_study_cost_plots, only: write_cost_plots, cost_pictures
+   use poinsot_study_cost_plots, only: write_cost_plots, cost_pictures, cost_files
    use poinsot_study_members, only: any_direction
    use poinsot_study_rivals, only: rival_point, read_rivals
    use app_arguments, only: word_list
@@ -97,11 +97,11 @@ contains
       watch%shown = error_is_terminal() .and. .not. options%quiet
       watch%clock = "wall"
       call catch_interrupts()
-      call read_rivals(options%rivals, rivals, error)
+      call claim_files(out, cost_files(), error)
+      if (.not. raised(error)) call read_rivals(options%rivals, rivals, error)
       if (.not. raised(error)) call study_cost(scene, request, watch, study, error)
       call watch%wipe()
       if (.not. raised(error)) study%rivals = rivals
-      if (.not. raised(error)) call make_folder(out, error)
       if (.not. raised(error)) call write_points(out // "/cost.csv", study, error)
       if (.not. raised(error)) call write_drift_rows(out // "/drift.csv", study, error)
       if (.not. raised(error)) call write_members(out // "/members.csv", scene, study, error)

@@ -177,7 +177,7 @@ contains
          "", &
          "   --out DIR              folder for the output (default poinsot-out/SCENE), made", &
          "                          if missing; files of an earlier run in it are replaced", &
-         "   --threads N            threads (default: as many as OpenMP offers)", &
+         "   --threads N            threads (default: as OpenMP says, for 20 ms and more)", &
          "   --set GROUP.KEY=VALUE  a setting over the file's own, as often as wanted:", &
          "                          --set scene.h=0.05 --set bodies.y=0,0.6,-0.8", &
          "                          bodies(2).KEY names the second &bodies group; so with effects", &

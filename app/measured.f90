@@ -2,6 +2,7 @@
 module app_measured
    use, intrinsic :: iso_fortran_env, only: output_unit
    use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_scene_claim, only: claim_files
    use poinsot_study_hard, only: run_hard
    use poinsot_study_properties, only: run_properties
    use app_arguments, only: word_list, option_value, is_option
@@ -36,7 +37,8 @@ contains
       character(:), allocatable :: folder, only
       call read_folder("hard", words, folder, code, only)
       if (code /= exit_ok) return
-      call run_hard(only, folder, output_unit, error)
+      if (folder /= "") call claim_files(folder, ["hard.csv"], error) ! before minutes of work
+      if (.not. raised(error)) call run_hard(only, folder, output_unit, error)
       call finish(error, code)
    end subroutine command_hard
 

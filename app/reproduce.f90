@@ -3,7 +3,7 @@ module app_reproduce
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_nearest, only: suggestion
-   use poinsot_scene_files, only: make_folder
+   use poinsot_scene_claim, only: claim_files, picture_claims
    use poinsot_scene_text, only: joined
    use poinsot_study_repeat_celledoni, only: repeat_celledoni
    use poinsot_study_repeat_fasso, only: repeat_fasso
@@ -53,7 +53,9 @@ contains
       if (len(out) == 0) out = "poinsot-out/" // options%scene
       watch%shown = error_is_terminal() .and. .not. options%quiet
       call catch_interrupts()
-      call make_folder(out, error)
+      call claim_files(out, [character(64) :: trim(options%scene) // ".csv", &
+         trim(options%scene) // ".txt", trim(options%scene) // ".gp", &
+         picture_claims([options%scene])], error)
       if (.not. raised(error)) then
          select case (options%scene)
          case ("review")

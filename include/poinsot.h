@@ -24,6 +24,7 @@
  *   Fork      A child made by fork may call everything, with threads too: on Linux the forking thread's OpenMP workers are sent
  *             home before the fork and are started again when they are needed. Do not fork inside a parallel region.
  *   Traps     No call on valid input raises an invalid, overflow or divide-by-zero exception.
+ *   Rounding  A thread that does not round to nearest refuses its bodies: POINSOT_E_DOMAIN, state kept.
  *   Processor A build for a newer processor answers POINSOT_E_CPU on an older one.
  */
 #ifndef POINSOT_H
@@ -112,7 +113,8 @@ void poinsot_body_destroy(poinsot_body **body);
  *   y         [n][3] angular momenta, body frame;   q: [n][4] attitudes, of unit norm to 1e-6 or POINSOT_E_NOT_UNIT. NULL only if
  *             n = 0
  *   per_body  [n] a status for each body; may be NULL
- * Uses as many threads as OpenMP says (OMP_NUM_THREADS, omp_set_num_threads); a plan says its own number. */
+ * Uses as many threads as OpenMP says (OMP_NUM_THREADS, omp_set_num_threads) where the work, `steps` times n, takes 20 ms or
+ * more, else one; a plan says its own number. */
 poinsot_status poinsot_rotate(const poinsot_body *body, const char *method, double h, size_t steps,
                               size_t n, double y[], double q[], poinsot_status per_body[]);
 
@@ -313,7 +315,7 @@ poinsot_status poinsot_plan_class_axes(const poinsot_plan *plan, int number, dou
  *   "momentum"   or one by one: "body-momentum", "space-momentum", "body-velocity", "space-velocity", "conjugate-momentum"
  *   "frame"      of the torques of poinsot_kick and of a callback: "body" or "space"
  *   "threads"    "1" (default) to "4096", or "0": as OpenMP says (OMP_NUM_THREADS, omp_set_num_threads). A team starts where each
- *                thread has some work; on a machine whose cores are busy that can cost a slice of the scheduler, 12 to 80 ms
+ *                thread gets 0.2 ms of work; on a machine whose cores are busy that can cost a slice of the scheduler, 12 to 80 ms
  *   "seed"       of random numbers, a 64-bit integer
  *   "tolerance"  of the splitting "taylor", relative: 1e-15 to 1e-2 ("1e-12")
  *   "physical"   "yes", or "no": classes added from then on may have any moments that are zero or positive, of whatever sum
@@ -392,8 +394,8 @@ poinsot_status poinsot_degrees_of_freedom(const poinsot_plan *plan, const poinso
 
 /* status = POINSOT_OK, or POINSOT_E_CPU; version as poinsot_version. */
 void poinsot_version_f_(int *version, int *status);
-/* As poinsot_rotate, with the moments of the one kind of body. Methods 1 and 2 (exact, jacobi) make no body of them: the result is
- * that of poinsot_rotate to rounding. */
+/* As poinsot_rotate, with the moments of the one kind of body, by one thread. Methods 1 and 2 (exact, jacobi) make no body of them:
+ * the result is that of poinsot_rotate to rounding. */
 void poinsot_rotate_f_(const double moments[3], const int *method, const double *h, const int *steps, const int *n,
                        double y[], double q[], int each[], int *status);
 /* As poinsot_splitting_flows, of splitting number `splitting`. */
@@ -445,7 +447,7 @@ void poinsot_kick_a_f_(const int64_t *plan, const int *n, double y1[], double y2
 void poinsot_dissipate_a_f_(const int64_t *plan, const int *n, double y1[], double y2[], double y3[], double q0[], double q1[],
                             double q2[], double q3[], const int body_class[], const double *h, const int *step, int each[],
                             int *status);
-/* The same with the four components of a conjugate momentum. */
+/* The same with the four components of a conjugate momentum; POINSOT_E_METHOD if that is not the plan's variable. */
 void poinsot_dissipate_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
                             double q1[], double q2[], double q3[], const int body_class[], const double *h, const int *step,
                             int each[], int *status);

@@ -19,6 +19,7 @@ program check_poinsot
    use test_free, only: collect_free
    use test_hard, only: collect_hard, collect_hard_deep
    use test_hard_faults, only: collect_hard_faults_deep
+   use test_matrix, only: collect_matrix
    use test_long, only: collect_long, collect_long_deep
    use test_oracle, only: collect_oracle
    use test_properties, only: collect_properties
@@ -60,6 +61,7 @@ program check_poinsot
       new_testsuite("ensemble", collect_ensemble), &
       new_testsuite("taylor", collect_taylor), &
       new_testsuite("frame", collect_frame), &
+      new_testsuite("matrix", collect_matrix), &
       new_testsuite("scene", collect_scene), &
       new_testsuite("pictures", collect_pictures), &
       new_testsuite("study", collect_study), &

@@ -1,6 +1,7 @@
 !> Room ensemble: a body's bits depend on nothing but the body, its class and the step.
 module test_ensemble_bits
-   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_round_type, &
+      ieee_get_rounding_mode, ieee_set_rounding_mode, ieee_up, ieee_down, ieee_to_zero
    use testdrive, only: unittest_type, new_unittest, error_type
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
@@ -10,9 +11,12 @@ module test_ensemble_bits
    use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_compose, only: make_ready
    use poinsot_ensemble_plan, only: poinsot_plan, set_option
-   use poinsot_ensemble_rotate, only: rotate_bodies
-   use poinsot_ensemble_step, only: drift_bodies, step_bodies
-   use poinsot_free_method, only: method_count, method_name
+   use poinsot_ensemble_rotate, only: rotate_bodies, threads_for
+   use poinsot_ensemble_bodies, only: column
+   use poinsot_ensemble_drive, only: team_size
+   use poinsot_ensemble_observe, only: body_energies
+   use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
+   use poinsot_free_method, only: method_count, method_name, free_method, find_method
    use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, &
       class_count, same_bits
    use test_expectation, only: expect
@@ -41,7 +45,10 @@ contains
          new_unittest("bits-no-effect-is-the-rotor", test_bare), &
          new_unittest("bits-failed-bodies", test_failed_bodies), &
          new_unittest("bits-inside-a-parallel-region", test_nested), &
-         new_unittest("bits-thermostat-by-id", test_ids)]
+         new_unittest("bits-thermostat-by-id", test_ids), &
+         new_unittest("threads-that-start", test_team), &
+         new_unittest("rounding-mode-of-the-host", test_rounding), &
+         new_unittest("rounding-mode-of-one-thread", test_rounding_of_one)]
    end subroutine collect_bits
 
    !> Gravity on one class, drag on all, so that schemes differ between classes.
@@ -60,6 +67,138 @@ contains
       call make_ready(plan, problem)
       if (raised(problem)) error stop "busy_plan"
    end subroutine busy_plan
+
+   !> 20 ms of work where nobody says how many; 0.2 ms for each thread.
+   subroutine test_team(error)
+      type(error_type), allocatable, intent(out) :: error
+      call expect(error, threads_for(0, 1.9e7_dp) == 1 .and. threads_for(0, 2.1e7_dp) == 0 .and. &
+         threads_for(2, 1.0_dp) == 2, "20 ms")
+      call expect(error, team_size(4, 0.0_dp) == 1 .and. team_size(4, 3.9e5_dp) == 1 .and. &
+         team_size(4, 6.1e5_dp) == 3 .and. team_size(4, 1e300_dp) == 4, "0.2 ms each")
+   end subroutine test_team
+
+   !> While the thread rounds otherwise than to nearest every call refuses its bodies, and leaves
+   !> them; but those that are skipped. Afterwards the bits of before.
+   subroutine test_rounding(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(ieee_round_type), parameter :: modes(3) = [ieee_up, ieee_down, ieee_to_zero]
+      type(crowd), target :: start, after
+      type(poinsot_plan), target :: plan
+      type(body_view) :: view
+      type(ieee_round_type) :: usual
+      integer, target :: each(400)
+      integer :: i, call_of, status
+      logical :: right
+      call make_crowd(size(each), start)
+      start%class(7) = -1
+      call busy_plan("exact", 1, plan)
+      call ieee_get_rounding_mode(usual)
+      do i = 1, size(modes)
+         do call_of = 1, 6
+            after = start
+            call open(after, view)
+            each = poinsot_ok
+            view%status => each
+            call ieee_set_rounding_mode(modes(i))
+            call one_call(call_of, plan, view, status)
+            call ieee_set_rounding_mode(usual)
+            right = status == poinsot_e_partial .and. each(7) == poinsot_ok .and. &
+               count(each == poinsot_e_domain) == size(each) - 1
+            call expect(error, right, "a call that rounds otherwise is not refused")
+            call compare_if_none(error, start, after, "bodies that were refused have changed")
+         end do
+      end do
+   end subroutine test_rounding
+
+   subroutine compare_if_none(error, a, b, what)
+      type(error_type), allocatable, intent(inout) :: error
+      type(crowd), intent(in) :: a, b
+      character(*), intent(in) :: what
+      call expect(error, same_bits(a%y, b%y) .and. same_bits(a%q, b%q), what)
+   end subroutine compare_if_none
+
+   !> Each of the calls that turn a state into another.
+   subroutine one_call(i, plan, view, status)
+      integer, intent(in) :: i
+      type(poinsot_plan), intent(in), target :: plan
+      type(body_view), intent(in) :: view
+      integer, intent(out) :: status
+      type(swirl), target :: callback
+      type(free_method) :: method
+      type(column) :: torque(3)
+      type(poinsot_error) :: problem
+      real(dp), target :: g(view%n), u(view%n)
+      g = 1
+      select case (i)
+      case (1)
+         call drift_bodies(plan, view, h, status, problem)
+      case (2)
+         torque(1)%of => g
+         torque(2)%of => g
+         torque(3)%of => g
+         call kick_bodies(plan, view, h, torque, status, problem)
+      case (3)
+         call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
+      case (4)
+         call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem, callback)
+      case (5)
+         call body_energies(plan, view, 0.0_dp, g, u, status, problem)
+      case default
+         call find_method("exact", method, problem)
+         call rotate_bodies(plan%classes(1)%it, method, h, 1, view, 1, status, problem)
+      end select
+   end subroutine one_call
+
+   !> Of two threads one rounds up: its bodies are refused, those of the other have their bits.
+   subroutine test_rounding_of_one(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(crowd), target :: start, right, half
+      type(poinsot_plan), target :: plan
+      type(body_view) :: view
+      type(poinsot_error) :: problem
+      type(ieee_round_type) :: usual
+      type(swirl), target :: callback
+      integer, target :: each(3000)
+      integer :: i, status, refused
+      logical :: whole
+      call make_crowd(size(each), start)
+      call busy_plan("exact", 2, plan)
+      call ieee_get_rounding_mode(usual)
+      right = start
+      call open(right, view)
+      call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
+      half = start
+      call open(half, view)
+      view%status => each
+      call set_mode_of_last_thread(ieee_up)
+      call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem)
+      call set_mode_of_last_thread(usual)
+      refused = count(each == poinsot_e_domain)
+      whole = .true.
+      do i = 1, size(each)
+         if (each(i) == poinsot_ok) whole = whole .and. all(right%y(:, i) == half%y(:, i))
+         if (each(i) /= poinsot_ok) whole = whole .and. all(start%y(:, i) == half%y(:, i))
+      end do
+      call expect(error, whole, "a body that is neither right nor refused")
+      !$ call expect(error, refused > 0 .and. refused < size(each), "one thread's bodies")
+      half = start
+      call open(half, view)
+      view%status => each
+      call set_mode_of_last_thread(ieee_up)
+      call step_bodies(plan, view, 0.0_dp, h, 0_i8, 2_i8, status, problem, callback)
+      call set_mode_of_last_thread(usual)
+      !$ call expect(error, any(each == poinsot_e_domain), "one thread's bodies, coupled")
+   end subroutine test_rounding_of_one
+
+   subroutine set_mode_of_last_thread(mode)
+      type(ieee_round_type), intent(in) :: mode
+      !$ integer :: i
+      !$omp parallel do num_threads(2) schedule(static) default(none) shared(mode) private(i)
+      !$ do i = 1, 2
+      !$    if (i == 2) call ieee_set_rounding_mode(mode)
+      !$ end do
+      !$omp end parallel do
+   end subroutine set_mode_of_last_thread
 
    subroutine open(it, view)
       type(crowd), intent(in), target :: it

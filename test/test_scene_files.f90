@@ -10,6 +10,7 @@ module test_scene_files
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_communicator, only: communicator
    use poinsot_scene_drift, only: drift_watch, start_drift, start_energy, follow_drift
+   use poinsot_scene_claim, only: claim_files
    use poinsot_scene_files, only: file_exists, real_path
    use poinsot_scene_folder, only: folder_lock, lock_folder, unlock_folder
    use poinsot_scene_reader, only: scan_source
@@ -20,7 +21,7 @@ module test_scene_files
    use poinsot_scene_summary, only: run_report
    use poinsot_scene_table, only: read_table
    use poinsot_scene_watch, only: run_watch
-   use test_scene_tools, only: output, nl, empty_folder, put_text, get_text, run_text
+   use test_scene_tools, only: output, nl, empty_folder, put_text, get_text, make_scene, run_text
    implicit none(type, external)
    private
    public :: collect_scene_files
@@ -41,6 +42,8 @@ contains
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
       testsuite = [ &
          new_unittest("files-of-the-user", test_own_files), &
+         new_unittest("files-of-a-study", test_study_files), &
+         new_unittest("thousands-of-groups", test_many_groups), &
          new_unittest("files-of-an-earlier-run", test_earlier_files), &
          new_unittest("files-that-a-run-reads", test_inputs), &
          new_unittest("folder-locked", test_lock), &
@@ -97,6 +100,64 @@ contains
       call refused(error, failure, poinsot_e_io, "summary.txt: this run would replace it")
       call still_mine(error, output // "own/summary.txt")
    end subroutine test_own_files
+
+   !> A study replaces what a study or a run wrote, and nothing else.
+   subroutine test_study_files(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(8), parameter :: names(2) = [character(8) :: "cost.csv", "cost.txt"]
+      type(poinsot_error) :: failure
+      character(:), allocatable :: folder
+      folder = output // "study"
+      call empty_folder("study")
+      call put_text(folder // "/cost.txt", "mine")
+      call claim_files(folder, names, failure)
+      call refused(error, failure, poinsot_e_io, "cost.txt: this command would replace it")
+      call still_mine(error, folder // "/cost.txt")
+      call expect(error, .not. file_exists(folder // "/written.txt"), "a list of nothing")
+      call empty_folder("study")
+      call put_text(folder // "/written.txt", "mine")
+      call claim_files(folder, names, failure)
+      call refused(error, failure, poinsot_e_io, "written.txt: this command would replace it")
+      call empty_folder("study")
+      call claim_files(folder, [character(9) :: names, "common.gp"], failure)
+      call put_text(folder // "/cost.csv", "of a study")
+      call put_text(folder // "/common.gp", "of a study")
+      call claim_files(folder, names, failure)
+      call accepted(error, failure)
+      call run_text(written, "study", failure)
+      call accepted(error, failure)
+      call claim_files(folder, ["trajectory.csv"], failure)
+      call accepted(error, failure)
+   end subroutine test_study_files
+
+   !> Thousands of groups, each of them a class with a torque of its own, in their order.
+   subroutine test_many_groups(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: many = 4000
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      character(100) :: line
+      character(:), allocatable :: text
+      integer :: i, first
+      allocate (character(many*len(line)) :: text)
+      text(:) = "&scene t_end=1 h=0.1 /"
+      first = 101
+      do i = 1, many - 1
+         write (line, "(a, i0, a, i0, a, i0, a)") "&bodies moments=1,1,1 y=", i, &
+            ",0,0 /&torque value=", i, ",0,0 class=", i, " /"
+         text(first:first + len(line) - 1) = line
+         first = first + len(line)
+      end do
+      call make_scene(text, scene, failure)
+      call accepted(error, failure)
+      call expect(error, size(scene%bodies) == many - 1 .and. size(scene%effects) == many - 1, &
+         "groups are missing")
+      if (allocated(error)) return
+      do i = 1, many - 1, 57
+         call expect(error, nint(scene%bodies(i)%y(1)), i, "order of bodies")
+         call expect(error, nint(scene%effects(i)%settings(1)%values(1)), i, "order of effects")
+      end do
+   end subroutine test_many_groups
 
    !> What an earlier run wrote goes, even if this one writes no such file; also that of a run that
    !> was

@@ -1,6 +1,8 @@
 !> Studies: the references, the errors they measure, candidates, labels and frontiers. Errors only;
 !> no test is about time.
 module test_study
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_value, ieee_quiet_nan, &
+      ieee_positive_inf
    use testdrive, only: new_unittest, unittest_type, error_type, test_failed
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_status, only: poinsot_e_io
@@ -14,11 +16,11 @@ module test_study
    use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, list_candidates, &
       quiet_scene, any_name
    use poinsot_study_cost, only: cost_request, cost_study, study_cost
-   use poinsot_study_cost_point, only: cost_point, frontier, cheapest, middle, worst, of_angle, &
-      of_both
+   use poinsot_study_cost_point, only: cost_point, digest, frontier, cheapest, middle, worst, &
+      of_angle, of_both
    use poinsot_study_cost_curves, only: find_curve
    use poinsot_study_efficient, only: frontier_part, frontier_parts
-   use poinsot_study_errors, only: attitude_error
+   use poinsot_study_errors, only: attitude_error, body_errors
    use poinsot_study_members, only: member_set, draw_members, any_direction
    use poinsot_study_quadruple, only: turn_freely
    use poinsot_study_rivals, only: rival_point, read_rivals, rival_names, rival_time
@@ -39,6 +41,7 @@ contains
          new_unittest("quadruple: half the step, any axis order", quadruple_steps), &
          new_unittest("attitude error of tiny angles", tiny_angles), &
          new_unittest("statistics", numbers_in_order), &
+         new_unittest("an error that is no number is not lost", no_number), &
          new_unittest("members: own first, others near", members_near), &
          new_unittest("members: no momentum where no inertia", members_linear), &
          new_unittest("candidates of a free scene", free_candidates), &
@@ -122,6 +125,28 @@ contains
       angle = attitude_error([0.0_qp, 1.0_qp, 0.0_qp, 0.0_qp], [1.0_qp, 0.0_qp, 0.0_qp, 0.0_qp])
       call expect(error, abs(angle - acos(-1.0_dp)) < 1e-15_dp, "a half-turn")
    end subroutine tiny_angles
+
+   !> One NaN among the errors of the bodies: the worst is no number, and the point no result.
+   subroutine no_number(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(body_errors) :: errors
+      type(cost_point) :: point
+      integer :: which
+      do which = 0, 4
+         errors%angle = [1e-3_dp, 2e-3_dp, 1e-3_dp]
+         errors%momentum = errors%angle
+         errors%energy = errors%angle
+         errors%slope = errors%angle
+         if (which == 1) errors%angle(2) = ieee_value(1.0_dp, ieee_positive_inf)
+         if (which == 2) errors%momentum(2) = ieee_value(1.0_dp, ieee_quiet_nan)
+         if (which == 3) errors%energy(3) = ieee_value(1.0_dp, ieee_quiet_nan)
+         point = cost_point()
+         point%good = .true.
+         call digest(errors, 2, point)
+         call expect(error, point%good .eqv. (which == 0 .or. which == 4), "good or not")
+         if (which == 2) call expect(error, .not. ieee_is_finite(point%momentum(worst)), "lost")
+      end do
+   end subroutine no_number
 
    subroutine numbers_in_order(error)
       type(error_type), allocatable, intent(out) :: error

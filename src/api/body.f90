@@ -103,6 +103,19 @@ contains
       integer(c_size_t), value :: steps, n
       type(c_ptr), value :: y, q      !! double[n][3], double[n][4]
       type(c_ptr), value :: per_body  !! poinsot_status[n], may be NULL
+      status = rotate_by(0_c_int, body, method, h, steps, n, y, q, per_body)
+   end function rotate
+
+   !> The same by a number of threads: legacy.c asks for one.
+   integer(c_int) function rotate_by(threads, body, method, h, steps, n, y, q, per_body) &
+      bind(c, name="poinsot_do_rotate_by") result(status)
+      integer(c_int), value :: threads !! 0: as OpenMP says, where the work is long enough
+      type(c_ptr), value :: body      !! const poinsot_body *
+      type(c_ptr), value :: method    !! const char *
+      real(c_double), value :: h      !! step, either sign
+      integer(c_size_t), value :: steps, n
+      type(c_ptr), value :: y, q      !! double[n][3], double[n][4]
+      type(c_ptr), value :: per_body  !! poinsot_status[n], may be NULL
       type(body_class), pointer :: class
       type(free_method) :: chosen
       type(poinsot_error) :: error
@@ -123,22 +136,23 @@ contains
       if (n < 0 .or. n > most_bodies .or. steps < 0 .or. steps > huge(0)) return
       call c_f_pointer(body, class)
       if (n == 0) then
-         call rotate_rows(class, chosen, h, int(steps), 0, no_y, no_q, status)
+         call rotate_rows(class, chosen, h, int(steps), int(threads), 0, no_y, no_q, status)
          return
       end if
       call c_f_pointer(y, yy, [3_c_size_t, n])
       call c_f_pointer(q, qq, [4_c_size_t, n])
       nullify (each)
       if (c_associated(per_body)) call c_f_pointer(per_body, each, [n])
-      call rotate_rows(class, chosen, h, int(steps), int(n), yy, qq, status, each)
-   end function rotate
+      call rotate_rows(class, chosen, h, int(steps), int(threads), int(n), yy, qq, status, &
+         each)
+   end function rotate_by
 
    !> The same of arrays: few bodies by the short way.
-   subroutine rotate_rows(class, method, h, steps, n, y, q, status, each)
+   subroutine rotate_rows(class, method, h, steps, threads, n, y, q, status, each)
       type(body_class), intent(in) :: class
       type(free_method), intent(in) :: method
       real(c_double), intent(in) :: h
-      integer, intent(in) :: steps, n
+      integer, intent(in) :: steps, threads, n
       real(c_double), intent(inout), target :: y(3, n), q(4, n)
       integer(c_int), intent(out) :: status
       integer(c_int), intent(inout), target, optional :: each(n)
@@ -155,7 +169,7 @@ contains
       end if
       call view_rows(y, q, view)
       if (present(each)) view%status => each
-      call rotate_bodies(class, method, h, steps, view, 0, status, error)
+      call rotate_bodies(class, method, h, steps, view, threads, status, error)
    end subroutine rotate_rows
 
    !> Bodies of one kind by their moments, for fixed form: constants for each lane, no class.
@@ -193,7 +207,7 @@ contains
       if (status /= without_inertia) return
       call make_class(m, class, error)
       call find_method(trim(merge("jacobi", "exact ", by_jacobi /= 0)), chosen, error)
-      call rotate_rows(class, chosen, h, int(steps), int(n), yy, qq, status, each)
+      call rotate_rows(class, chosen, h, int(steps), 1, int(n), yy, qq, status, each)
    end function rotate_moments
 
 end module poinsot_api_body

@@ -35,6 +35,10 @@ void poinsot_version_f_(int *version, int *status) {
 __attribute__((visibility("hidden"))) poinsot_status poinsot_rotate_moments(const double moments[3], int by_jacobi, double h,
                                                                             size_t steps, size_t n, double y[], double q[],
                                                                             poinsot_status per_body[]);
+/* Of src/api/body.f90; a body was made before, so the processor has been looked at. */
+__attribute__((visibility("hidden"))) poinsot_status poinsot_do_rotate_by(int threads, const poinsot_body *body, const char *method,
+                                                                         double h, size_t steps, size_t n, double y[],
+                                                                         double q[], poinsot_status per_body[]);
 
 void poinsot_rotate_f_(const double moments[3], const int *method, const double *h, const int *steps, const int *n,
                        double y[], double q[], int each[], int *status) {
@@ -51,7 +55,7 @@ void poinsot_rotate_f_(const double moments[3], const int *method, const double 
   if (*status) return;
   *status = !name        ? POINSOT_E_METHOD
             : *steps < 0 ? POINSOT_E_SIZE
-                         : poinsot_rotate(body, name, *h, (size_t)*steps, count_of(n), y, q, each);
+                         : poinsot_do_rotate_by(1, body, name, *h, (size_t)*steps, count_of(n), y, q, each);
   poinsot_body_destroy(&body);
 }
 
@@ -156,10 +160,15 @@ void poinsot_plan_effect_f_(const int64_t *plan, const char *name, const int *na
 }
 
 void poinsot_plan_message_f_(const int64_t *plan, char *text, const int *length) {
-  char sentence[1024];
+  char few[1024], *sentence = few;
+  size_t room = poinsot_plan_message(plan_of(plan), NULL, 0) + 1;
+  if (room > sizeof few) sentence = malloc(room);
+  if (!sentence || room < sizeof few) room = sizeof few; /* without memory what there is room for */
+  if (!sentence) sentence = few;
   sentence[0] = 0;
-  (void)poinsot_plan_message(plan_of(plan), sentence, sizeof sentence);
+  (void)poinsot_plan_message(plan_of(plan), sentence, room);
   to_fortran(sentence, text, *length);
+  if (sentence != few) free(sentence);
 }
 
 void poinsot_status_text_f_(const int *status, char *text, const int *length) {
@@ -303,13 +312,24 @@ void poinsot_dissipate_a_f_(const int64_t *plan, const int *n, double y1[], doub
   if (*status == POINSOT_OK) *status = poinsot_dissipate(plan_of(plan), &view, *h, *step);
 }
 
-/* The same for a conjugate momentum, of four components. */
+/* Four components are a conjugate momentum: a plan that takes fewer has another variable. */
+static poinsot_status four(const int64_t *plan, const int *n, double *const p[4], double *const q[4], const int body_class[],
+                           int each[], poinsot_bodies *view) {
+  poinsot_status status = arrays(plan, "hoomd", n, p, q, body_class, each, view);
+  if (status || view->n == 0) return status;
+  view->y_fourth = NULL;
+  if (poinsot_bodies_check(plan_of(plan), view, NULL, 0) == POINSOT_OK) status = POINSOT_E_METHOD;
+  view->y_fourth = p[3];
+  return status;
+}
+
+/* The same for a conjugate momentum. */
 void poinsot_dissipate_c_f_(const int64_t *plan, const int *n, double p0[], double p1[], double p2[], double p3[], double q0[],
                             double q1[], double q2[], double q3[], const int body_class[], const double *h, const int *step,
                             int each[], int *status) {
   poinsot_bodies view;
   double *const p[4] = {p0, p1, p2, p3}, *const q[4] = {q0, q1, q2, q3};
-  *status = arrays(plan, "hoomd", n, p, q, body_class, each, &view);
+  *status = four(plan, n, p, q, body_class, each, &view);
   if (*status == POINSOT_OK) *status = poinsot_dissipate(plan_of(plan), &view, *h, *step);
 }
 
@@ -318,7 +338,7 @@ void poinsot_drift_c_f_(const int64_t *plan, const int *n, double p0[], double p
                         int *status) {
   poinsot_bodies view;
   double *const p[4] = {p0, p1, p2, p3}, *const q[4] = {q0, q1, q2, q3};
-  *status = arrays(plan, "hoomd", n, p, q, body_class, each, &view);
+  *status = four(plan, n, p, q, body_class, each, &view);
   if (*status == POINSOT_OK) *status = poinsot_drift(plan_of(plan), &view, *h);
 }
 
@@ -328,6 +348,6 @@ void poinsot_kick_c_f_(const int64_t *plan, const int *n, double p0[], double p1
   poinsot_bodies view;
   double *const p[4] = {p0, p1, p2, p3}, *const q[4] = {q0, q1, q2, q3};
   const double *const components[3] = {torque1, torque2, torque3};
-  *status = arrays(plan, "hoomd", n, p, q, body_class, each, &view);
+  *status = four(plan, n, p, q, body_class, each, &view);
   if (*status == POINSOT_OK) *status = poinsot_kick(plan_of(plan), &view, *h, components, 1);
 }

@@ -204,9 +204,11 @@ contains
       if (.not. associated(p)) return
       call from_c(name, which)
       call from_c(settings, text)
-      if (.not. allocated(text)) text = ""
-      if (.not. allocated(which)) then
+      if (.not. c_associated(settings)) text = ""
+      if (.not. c_associated(name)) then
          call raise(error, poinsot_e_null, "plan: the name of an effect is NULL")
+      else if (.not. (allocated(which) .and. allocated(text))) then
+         call raise(error, poinsot_e_memory, "no memory for the settings of an effect")
       else
          call read_settings(text, list, error)
          if (.not. raised(error)) call add_effect(p%plan, which, list, error)

@@ -4,26 +4,30 @@ module poinsot_api_text
       c_associated, c_f_pointer
    implicit none(type, external)
    private
-   public :: from_c, to_c, longest_text
+   public :: from_c, to_c
 
-   integer, parameter :: longest_text = 65536 !! a C text is read no further than this
+   interface
+      pure integer(c_size_t) function c_strlen(text) bind(c, name="strlen")
+         import :: c_ptr, c_size_t
+         implicit none(type, external)
+         type(c_ptr), value, intent(in) :: text
+      end function c_strlen
+   end interface
 
 contains
 
-   !> A C text as a Fortran one; not allocated for NULL, cut at `longest_text`.
+   !> A C text, of any length, as a Fortran one; not allocated for NULL, or if there is no memory.
    subroutine from_c(text, s)
       type(c_ptr), intent(in) :: text
       character(:), allocatable, intent(out) :: s
       character(kind=c_char), pointer :: c(:)
-      integer :: n, i
+      integer(c_size_t) :: n, i
+      integer :: state
       if (.not. c_associated(text)) return
-      call c_f_pointer(text, c, [longest_text])
-      n = 0
-      do while (n < longest_text)
-         if (c(n + 1) == c_null_char) exit
-         n = n + 1
-      end do
-      allocate (character(n) :: s)
+      n = c_strlen(text)
+      call c_f_pointer(text, c, [n])
+      allocate (character(n) :: s, stat=state)
+      if (state /= 0) return
       do i = 1, n
          s(i:i) = c(i)
       end do

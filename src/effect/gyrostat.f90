@@ -5,6 +5,7 @@
 !> scheme.
 module poinsot_effect_gyrostat
    use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_length, only: length_of
    use poinsot_core_error, only: poinsot_error
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect
@@ -69,7 +70,7 @@ contains
       real(dp), intent(in) :: h               !! any sign
       real(dp), intent(in) :: scale           !! moments over those of the class
       real(dp) :: size
-      size = norm2(class%inverse*class%rotor)
+      size = length_of(class%inverse*class%rotor)
       turn_is_too_long = .false.
       if (.not. (size > 0 .and. abs(h) > 0)) return
       turn_is_too_long = exponent(size) + exponent(h) - exponent(scale) &
@@ -98,7 +99,7 @@ contains
       real(dp) :: size, x1, x2, x3
       real(dp), dimension(lanes) :: r0, c0, r1, r2, r3
       integer :: i
-      size = norm2(class%inverse*class%rotor)
+      size = length_of(class%inverse*class%rotor)
       if (present(scale)) then
          call turn_by(class, 0.5_dp*turn_angle(size, h, scale), r0, c0, r1, r2, r3)
       else
@@ -133,7 +134,7 @@ contains
       real(dp), intent(out) :: r0, c0, r1, r2, r3
       real(dp) :: rate(3), size, r(3)
       rate = -class%inverse*class%rotor
-      size = norm2(rate)
+      size = length_of(rate)
       r = 0
       if (size > 0) r = sin(angle)*(rate/size)
       r0 = cos(angle)

@@ -6,7 +6,8 @@ module poinsot_ensemble_chunk
    use poinsot_ensemble_bodies, only: body_view
    implicit none(type, external)
    private
-   public :: chunk_length, chunk_count, class_sorted_chunk, collect_chunk, next_block
+   public :: chunk_length, chunk_count, class_sorted_chunk, collect_chunk, next_block, &
+      refuse_rounding
 
    integer, parameter :: short = 8*lanes         !! bodies in a chunk where all are of one class
    integer, parameter :: long = 256*lanes        !! at most where there are more: blocks fill up
@@ -67,6 +68,23 @@ contains
          if (associated(view%status)) view%status(h%first:last) = poinsot_e_domain
       end if
    end subroutine collect_chunk
+
+   !> Refuse the bodies of chunk number k, POINSOT_E_DOMAIN, but for those that are skipped: this
+   !> thread does not round to nearest, and nothing that it computes would be right.
+   subroutine refuse_rounding(view, length, k, refused)
+      type(body_view), intent(in) :: view
+      integer, intent(in) :: length           !! chunk_length
+      integer, intent(in) :: k                !! chunk, from 1
+      logical, intent(inout) :: refused
+      integer :: i
+      logical :: skipped
+      do i = (k - 1)*length + 1, min(view%n, k*length)
+         skipped = .false.
+         if (associated(view%body_class)) skipped = view%body_class(i) < 0
+         refused = refused .or. .not. skipped
+         if (associated(view%status)) view%status(i) = merge(poinsot_ok, poinsot_e_domain, skipped)
+      end do
+   end subroutine refuse_rounding
 
    !> Classes that are there, in the order of their places; then sorted if they are not.
    subroutine sort_by_class(view, classes, last, h, refused)

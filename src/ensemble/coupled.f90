@@ -1,11 +1,13 @@
 !> Steps of bodies that see each other, by pair effects or the host's callback.
 module poinsot_ensemble_coupled
    use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_memory, &
       poinsot_e_partial
    use poinsot_ensemble_block, only: reject_energies
    use poinsot_ensemble_bodies, only: body_view
+   use poinsot_ensemble_chunk, only: refuse_rounding
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_system, only: torque_callback, ensemble_flows, scatter_all, add_pairs
    use poinsot_ensemble_gather, only: saved_state, gather_all, store_all, save_state, restore_state
@@ -31,8 +33,13 @@ contains
       integer :: state
       logical :: failed
 
-      if (present(callback)) system%callback => callback
       failed = .false.
+      if (.not. rounds_to_nearest()) then
+         call refuse_rounding(view, view%n, 1, failed)
+         status = merge(poinsot_e_partial, poinsot_ok, failed)
+         return
+      end if
+      if (present(callback)) system%callback => callback
       call gather_all(plan, view, system, failed, error)
       if (.not. raised(error)) then
          allocate (before(merge(size(system%at), 0, present(callback))), stat=state)
@@ -78,6 +85,11 @@ contains
       integer :: k, l
 
       failed = .false.
+      if (.not. rounds_to_nearest()) then
+         call refuse_rounding(view, view%n, 1, failed)
+         status = merge(poinsot_e_partial, poinsot_ok, failed)
+         return
+      end if
       call gather_all(plan, view, system, failed, error)
       status = error%code
       if (raised(error)) return

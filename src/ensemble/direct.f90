@@ -5,7 +5,8 @@ module poinsot_ensemble_direct
    use, intrinsic :: iso_c_binding, only: c_int, c_ptrdiff_t
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_lanes, only: any_failed
-   use poinsot_core_status, only: poinsot_ok
+   use poinsot_core_rounding, only: rounds_to_nearest
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_block, only: reject, reject_torques, add_products
    use poinsot_ensemble_layout, only: body_momentum
@@ -55,7 +56,11 @@ contains
       integer(c_int), intent(inout), optional :: each(n) !! the status of each
       real(dp) :: y(lanes, 3), q(lanes, 4)
       integer :: status(lanes), first, m, nvec, k
-      failed = .false.
+      failed = n > 0 .and. .not. rounds_to_nearest()
+      if (failed) then
+         if (present(each)) each = poinsot_e_domain
+         return
+      end if
       do first = 1, n, lanes
          m = min(lanes, n - first + 1)
          nvec = (m + group - 1)/group
@@ -83,7 +88,12 @@ contains
       type(lane_moments) :: own
       real(dp) :: yb(lanes, 3), qb(lanes, 4), hl(lanes)
       integer :: status(lanes), first, m, nvec, k
-      failed = .false.
+      failed = n > 0 .and. .not. rounds_to_nearest()
+      refused = poinsot_ok
+      if (failed) then
+         if (present(each)) each = poinsot_e_domain
+         return
+      end if
       status = poinsot_ok
       call take_moments(spread(moments, 1, lanes), max(1, min(lanes, n + group - 1)/group), own, &
                         status)
@@ -122,7 +132,11 @@ contains
       real(dp) :: y(lanes, 3), q(lanes, 4), g(lanes, 3)
       integer(c_ptrdiff_t) :: at
       integer :: status(lanes), first, m, nvec, l
-      failed = .false.
+      failed = n > 0 .and. .not. rounds_to_nearest()
+      if (failed) then
+         if (present(each)) each = poinsot_e_domain
+         return
+      end if
       do first = 1, n, lanes
          m = min(lanes, n - first + 1)
          nvec = (m + group - 1)/group

@@ -4,13 +4,14 @@
 !> call, however many steps the job makes. Inside a parallel region of the host the loop runs
 !> serial.
 module poinsot_ensemble_drive
-   use poinsot_core_kinds, only: lanes
+   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_partial
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_block, only: host_arrays, open_host, load_block, store_block, store_status
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_length, chunk_count, collect_chunk, &
-      next_block
+      next_block, refuse_rounding
    use poinsot_ensemble_layout, only: body_momentum
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_free_lane_moments, only: lane_moments
@@ -18,7 +19,7 @@ module poinsot_ensemble_drive
    !$ use omp_lib, only: omp_in_parallel, omp_get_max_threads
    implicit none(type, external)
    private
-   public :: block_job, for_each_block
+   public :: block_job, for_each_block, team_size
 
    !> Something to do with a block of bodies of one class: of a plan, or, without one, all of the
    !> one
@@ -31,6 +32,7 @@ module poinsot_ensemble_drive
       logical :: keep_attitude = .false. !! nor the attitude
       logical :: wants_id = .false.      !! it draws random numbers
       logical :: read_only = .false.     !! nothing is written back but statuses
+      real(dp) :: ns = 10                !! about what a body takes, in nanoseconds
    contains
       procedure(run_job), deferred :: run
    end type block_job
@@ -59,6 +61,7 @@ contains
 
       team = 1
       !$ if (.not. omp_in_parallel()) team = merge(threads, omp_get_max_threads(), threads > 0)
+      team = team_size(team, real(view%n, dp)*job%ns)
       length = chunk_length(view, team)
       chunks = chunk_count(view%n, length)
       team = max(1, min(team, chunks))
@@ -101,7 +104,15 @@ contains
       status = merge(poinsot_e_partial, poinsot_ok, failed)
    end function for_each_block
 
-   !> All blocks of one chunk.
+   !> How many threads of those there are start: each gets some work, or it is not worth its start.
+   pure integer function team_size(threads, ns)
+      integer, intent(in) :: threads                !! at least 1
+      real(dp), intent(in) :: ns                    !! of all the work, in nanoseconds
+      real(dp), parameter :: least = 2e5_dp         !! for each
+      team_size = max(1, int(min(real(threads, dp), ns/least)))
+   end function team_size
+
+   !> All blocks of one chunk; none where the thread does not round to nearest.
    subroutine run_chunk(host, job, length, k, failed)
       type(host_arrays), intent(inout) :: host
       class(block_job), intent(inout) :: job
@@ -113,6 +124,10 @@ contains
       type(body_class), pointer :: class
       integer :: at(lanes), n, c, classes
 
+      if (.not. rounds_to_nearest()) then ! asked by the thread that computes
+         call refuse_rounding(host%view, length, k, failed)
+         return
+      end if
       classes = 1
       if (associated(job%plan)) classes = job%plan%class_count()
       do n = 1, lanes ! a loop here has the compiler align the whole of them

@@ -11,11 +11,7 @@ module poinsot_ensemble_rotate
    use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
    private
-   public :: rotate_job, rotate_bodies, check_step
-
-   !> Steps of bodies, 10 ns each, below which a team of threads may cost more than it brings: 20
-   !> ms, as on a busy machine it waits for a slice of the scheduler.
-   real(dp), parameter :: least_work = 2e6_dp
+   public :: rotate_job, rotate_bodies, check_step, threads_for
 
    !> `steps` steps of h by one method.
    type, extends(block_job) :: rotate_job
@@ -36,12 +32,11 @@ contains
       real(dp), intent(in) :: h                     !! step, either sign
       integer, intent(in) :: steps                  !! how many
       type(body_view), intent(in) :: view
-      integer, intent(in) :: threads                !! 0: as OpenMP says
+      integer, intent(in) :: threads                !! 0: as OpenMP says, if it is long enough
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error   !! a step that is not finite
       type(rotate_job) :: job
       type(body_class), target :: longer
-      integer :: team
 
       call check_step(h, steps, error)
       status = error%code
@@ -55,10 +50,19 @@ contains
       job%method = method
       job%h = h
       job%steps = steps
-      team = threads
-      if (threads == 0 .and. real(view%n, dp)*steps < least_work) team = 1
-      status = for_each_block(view, team, job)
+      job%ns = method%ns*steps
+      status = for_each_block(view, threads_for(threads, view%n*job%ns), job)
    end subroutine rotate_bodies
+
+   !> Threads that nobody gave a number of: one where the work is short, since on a busy machine a
+   !> team waits for its last thread as long as the scheduler likes.
+   pure integer function threads_for(threads, ns)
+      integer, intent(in) :: threads                !! 0: as OpenMP says
+      real(dp), intent(in) :: ns                    !! of all the work, in nanoseconds
+      real(dp), parameter :: long = 2e7_dp
+      threads_for = threads
+      if (threads == 0 .and. ns < long) threads_for = 1
+   end function threads_for
 
    !> A step (or a time) must be finite, a number of steps not negative.
    subroutine check_step(h, steps, error, what)

@@ -23,7 +23,7 @@ module poinsot_ensemble_step
    use poinsot_taylor_settings, only: taylor_time
    implicit none(type, external)
    private
-   public :: drift_bodies, kick_bodies, step_bodies
+   public :: drift_bodies, kick_bodies, step_bodies, step_ns
 
    !> Free rotation over h, with rotors.
    type, extends(block_job) :: drift_job
@@ -70,6 +70,7 @@ contains
       job%plan => plan
       job%h = h
       job%keep_momentum = plan%momentum == space_momentum
+      job%ns = plan%method%ns
       status = for_each_block(view, plan%threads, job)
    end subroutine drift_bodies
 
@@ -127,8 +128,18 @@ contains
       job%first = first
       job%steps = steps
       job%wants_id = plan%has_dissipation
+      job%ns = step_ns(plan)*real(steps, dp)
       status = for_each_block(view, plan%threads, job)
    end subroutine step_bodies
+
+   !> About what a step of a body takes, in nanoseconds.
+   pure real(dp) function step_ns(plan)
+      type(poinsot_plan), intent(in) :: plan
+      real(dp), parameter :: effect = 5, series = 2000  !! a kick of one effect; a Taylor step
+      step_ns = series
+      if (.not. plan%splitting%adaptive) step_ns = max(1, plan%splitting%stages)* &
+         (plan%method%ns + effect*size(plan%effects))
+   end function step_ns
 
    !> Steps can be counted, and the number of the one after the last.
    pure subroutine check_count(first, steps, error)

@@ -2,6 +2,8 @@
 !> before a kick, so each stage of the splitting goes over all blocks.
 module poinsot_ensemble_system
    use poinsot_core_kinds, only: dp, i8, lanes
+   use poinsot_core_rounding, only: rounds_to_nearest
+   use poinsot_core_status, only: poinsot_e_domain
    use poinsot_effect_effect, only: pair_effect
    use poinsot_ensemble_block, only: reject_values
    use poinsot_ensemble_layout, only: turn_to_body, from_native, body_momentum
@@ -63,6 +65,7 @@ contains
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
       !$omp shared(self, h) private(k)
       do k = 1, size(self%at)
+         if (.not. rounds_to_nearest()) self%at(k)%status = poinsot_e_domain
          call self%at(k)%drift(h)
       end do
       !$omp end parallel do
@@ -108,6 +111,7 @@ contains
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
       !$omp shared(self, b, c) private(k)
       do k = 1, size(self%at)
+         if (.not. rounds_to_nearest()) self%at(k)%status = poinsot_e_domain
          call self%at(k)%apply_kick(b, c)
       end do
       !$omp end parallel do

@@ -68,6 +68,8 @@ module poinsot_free_method
       character(64) :: about = ""                  !! one line for people
       procedure(increment_kernel), pointer, nopass :: increment => null()
       procedure(step_kernel), pointer, nopass :: step => null() !! plain sums in one go, if there is
+      real(dp) :: ns = 7                           !! about what a body and a step take, in
+                                                   !! nanoseconds: for the choice of threads
    end type free_method
 
    real(dp), parameter :: far = 1e70_dp !! beyond, h is looked at before it is multiplied
@@ -83,14 +85,16 @@ module poinsot_free_method
       integer :: terms = 0
       logical :: conserves_energy = .true.
       logical :: fixed_axes = .false.
+      real(dp) :: ns = 7
    end type method_row
 
    character(*), parameter :: dmv = "moser-veselov"
    character(*), parameter :: preprocessed = "discrete Moser-Veselov map, preprocessed"
    type(method_row), parameter :: rows(*) = [ &
       method_row("exact", 1, "exact", 0, "exact", &
-         "explicit exact step; substeps and Jacobi's functions by itself"), &
-      method_row("jacobi", 2, "jacobi", 0, "jacobi", "Jacobi's elliptic functions, any step"), &
+         "explicit exact step; substeps and Jacobi's functions by itself", ns=5.0_dp), &
+      method_row("jacobi", 2, "jacobi", 0, "jacobi", "Jacobi's elliptic functions, any step", &
+         ns=20.0_dp), &
       method_row("dmv2", 3, dmv, 2, "dmv2", "discrete Moser-Veselov map, plain"), &
       method_row("dmv4", 4, dmv, 4, "dmv4", preprocessed, 1), &
       method_row("dmv6", 5, dmv, 6, "", preprocessed, 2), &
@@ -111,7 +115,7 @@ module poinsot_free_method
          "splitting into a symmetric body and a rotation", &
          conserves_energy=.false., fixed_axes=.true.), &
       method_row("rattle", 18, "rattle", 2, "rattle", &
-         "RATTLE in the matrices (P, Q); the map of dmv2")]
+         "RATTLE in the matrices (P, Q); the map of dmv2", ns=100.0_dp)]
 
    integer :: k !! of the tables only
    !> Names in the order of the rows.
@@ -184,6 +188,7 @@ contains
       method%fixed_axes = rows(i)%fixed_axes
       method%heading = rows(i)%heading
       method%about = rows(i)%about
+      method%ns = rows(i)%ns
       call attach(method)
    end subroutine take_row
 

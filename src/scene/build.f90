@@ -6,7 +6,7 @@ module poinsot_scene_build
    use poinsot_core_nearest, only: suggestion
    use poinsot_effect_settings, only: effect_info, setting
    use poinsot_scene_text, only: text_of, quoted, joined, next_word
-   use poinsot_scene_source, only: scene_source, find_group, reject
+   use poinsot_scene_source, only: scene_source, find_group, find_groups, reject
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_names, only: effect_table, method_list, splitting_list, is_exact_method
@@ -72,8 +72,9 @@ contains
                         suggestion(source%groups(i)%name, known, """&", """"))
             return
          end if
+         if (.not. any(source%groups(i)%name == [character(6) :: "scene", "output"])) cycle
          first = find_group(source, source%groups(i)%name)
-         if (first < i .and. any(source%groups(i)%name == [character(6) :: "scene", "output"])) then
+         if (first < i) then
             call reject(error, source%file, source%groups(i)%line, "a second &" // &
                         source%groups(i)%name // ", the first is in line " // &
                         text_of(source%groups(first)%line) // &
@@ -161,19 +162,19 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(typed_group) :: group
       type(effect_info) :: info
-      integer :: i, found, groups
-      groups = 0
-      do while (find_group(source, "bodies", groups + 1) > 0)
-         groups = groups + 1
-      end do
-      allocate (scene%bodies(groups))
+      integer, allocatable :: places(:)
+      integer :: i
+      integer(i8) :: total
+      places = find_groups(source, "bodies")
+      allocate (scene%bodies(size(places)))
       call bodies_keys(info)
-      do i = 1, groups
-         found = find_group(source, "bodies", i)
-         call type_group(source%file, source%groups(found), info, group, error)
+      total = 0
+      do i = 1, size(places)
+         call type_group(source%file, source%groups(places(i)), info, group, error)
          if (.not. raised(error)) call build_bodies(group, scene%bodies(i), error)
          if (raised(error)) return
-         if (body_total(scene) <= largest_count) cycle
+         total = total + scene%bodies(i)%count
+         if (total <= largest_count) cycle
          call reject_key(group, merge("lattice", "count  ", given(group, "lattice")), &
                        "makes more than " // text_of(largest_count) // " bodies", error)
          return
@@ -318,24 +319,25 @@ contains
       type(scene_settings), intent(inout) :: scene
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: numbers(:)
-      integer(i8) :: sample
+      integer(i8) :: sample, total
       integer :: i
-      call integer_of(group, "sample", 0_i8, body_total(scene), sample, error)
+      total = body_total(scene)
+      call integer_of(group, "sample", 0_i8, total, sample, error)
       if (raised(error)) return
       if (sample > 0) then
          if (given(group, "bodies")) then
             call reject_key(group, "sample", "and bodies are both given; leave one out", error)
          end if
-         scene%output%bodies = [(1 + (i - 1)*body_total(scene)/sample, i=1, int(sample))]
+         scene%output%bodies = [(1 + (i - 1)*total/sample, i=1, int(sample))]
          return
       end if
       call numbers_of(group, "bodies", numbers)
       do i = 1, size(numbers)
-         if (numbers(i) >= 1 .and. numbers(i) <= real(body_total(scene), dp)) then
+         if (numbers(i) >= 1 .and. numbers(i) <= real(total, dp)) then
             if (abs(numbers(i) - aint(numbers(i))) <= 0) cycle
          end if
          call reject_key(group, "bodies", "names body " // plain(numbers(i)) // &
-                       "; the scene has bodies 1 to " // text_of(body_total(scene)), error)
+                       "; the scene has bodies 1 to " // text_of(total), error)
          return
       end do
       scene%output%bodies = nint(numbers, i8)

@@ -5,7 +5,7 @@ module poinsot_scene_effects
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: effect_info, setting, was_given, number_setting
-   use poinsot_scene_source, only: scene_source, find_group, reject
+   use poinsot_scene_source, only: scene_source, find_groups, reject
    use poinsot_scene_text, only: text_of
    use poinsot_scene_names, only: effect_table
    use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
@@ -26,18 +26,16 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(effect_info), allocatable :: table(:)
       type(effect_setting), allocatable :: found(:)
-      integer :: i, k, n, nth
+      integer, allocatable :: places(:)
+      integer :: i, k, n
       call effect_table(table)
       allocate (found(source%count))
       n = 0
       do i = 1, size(table)
-         nth = 1
-         do
-            k = find_group(source, trim(table(i)%name), nth)
-            if (k == 0) exit
+         places = find_groups(source, trim(table(i)%name))
+         do k = 1, size(places)
             n = n + 1
-            nth = nth + 1
-            call build_one(source, k, table(i), scene, found(n), error)
+            call build_one(source, places(k), table(i), scene, found(n), error)
             if (raised(error)) return
          end do
       end do

@@ -11,10 +11,13 @@ module poinsot_scene_engine
    use poinsot_ensemble_compose, only: make_ready
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option, add_effect, &
       add_ready_effect
-   use poinsot_ensemble_step, only: step_bodies
+   use poinsot_ensemble_drive, only: team_size
+   use poinsot_ensemble_rotate, only: threads_for
+   use poinsot_ensemble_step, only: step_bodies, step_ns
    use poinsot_ensemble_observe, only: body_energies
    use poinsot_scene_text, only: text_of
-   use poinsot_scene_settings, only: scene_settings, effect_setting
+   use poinsot_scene_schedule, only: step_total, piece_count
+   use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
    use poinsot_scene_states, only: body_states
    use poinsot_scene_communicator, only: communicator
    !$ use omp_lib, only: omp_get_max_threads
@@ -27,6 +30,7 @@ module poinsot_scene_engine
    type :: engine
       type(poinsot_plan) :: plan
       logical :: numbered = .false.    !! do effects ask for the numbers of bodies?
+      real(dp) :: ns = 0        !! about what the steps from one output to the next take
    end type engine
 
 contains
@@ -62,6 +66,10 @@ contains
       end do
       this%numbered = size(scene%effects) > 0
       if (.not. raised(error)) call make_ready(this%plan, error)
+      if (raised(error)) return
+      this%ns = step_ns(this%plan)*real(body_total(scene), dp)*step_total(scene)/ &
+         real(piece_count(scene), dp)
+      this%plan%threads = threads_for(scene%threads, this%ns)
    end subroutine start_engine
 
    subroutine set(this, key, value, error)
@@ -88,13 +96,14 @@ contains
    end subroutine add_to_plan
 
    !> Threads that step the bodies: as many as the scene or OpenMP says, but one for each chunk of
-   !> bodies at most.
+   !> bodies at most, and no more than get some work.
    integer function threads_used(this, states)
       type(engine), intent(in) :: this
       type(body_states), intent(in), target :: states
       type(body_view) :: view
       threads_used = 1
       !$ threads_used = merge(this%plan%threads, omp_get_max_threads(), this%plan%threads > 0)
+      threads_used = team_size(threads_used, this%ns)
       call look(states, view)
       threads_used = max(1, min(threads_used, chunk_count(states%n, chunk_length(view, &
          threads_used))))

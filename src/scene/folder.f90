@@ -14,11 +14,14 @@ module poinsot_scene_folder
    private
    public :: folder_lock, lock_folder, unlock_folder, clear_folder, check_inputs, file_name, &
       run_files
-   public :: files_row, file_separator
+   public :: files_row, file_separator, old_files, is_one_of, study_list, study_head, listed_files
 
    character(*), parameter :: files_row = "files"        !! of the summary: the marker
    character(*), parameter :: file_separator = " / "     !! no file name holds it
    integer, parameter :: label_width = 22                !! of a row of the summary
+   character(*), parameter :: study_list = "written.txt" !! the list of the studies, and its head
+   character(*), parameter :: study_head = &
+      "Files that a study of poinsot wrote here: the next one replaces these, and no others."
 
    !> A lock on a folder. It ends with its process, whatever ends that, and is not passed on to
    !> programs that it starts.
@@ -125,13 +128,14 @@ contains
       type(scene_settings), intent(in) :: scene !! the typed scene
       character(*), intent(in) :: out           !! the output folder
       type(poinsot_error), intent(inout) :: error
-      type(file_name), allocatable :: names(:), old(:)
+      type(file_name), allocatable :: names(:), old(:), of_study(:)
       integer :: i
       call old_files(out // "/summary.txt", old)
+      call listed_files(out // "/" // study_list, of_study)
       call run_files(scene, names)
       do i = 1, size(names)
-         if (is_one_of(names(i)%text, old) .or. .not. file_exists(out // "/" // &
-            names(i)%text)) cycle
+         if (is_one_of(names(i)%text, old) .or. is_one_of(names(i)%text, of_study)) cycle
+         if (.not. file_exists(out // "/" // names(i)%text)) cycle
          call raise(error, poinsot_e_io, out // "/" // names(i)%text // ": this run would " // &
                     "replace it, and no earlier run wrote it; move it away, or choose " // &
                     "another --out")
@@ -245,6 +249,27 @@ contains
       close (unit)
       if (ours .and. size(names) == 0) call version_1_files(names)
    end subroutine old_files
+
+   !> The files that a list of the studies names; none if it is no such list.
+   subroutine listed_files(path, names)
+      character(*), intent(in) :: path
+      type(file_name), allocatable, intent(out) :: names(:)
+      character(200) :: line
+      integer :: unit, code
+      allocate (names(0))
+      open (newunit=unit, file=path, action="read", status="old", iostat=code)
+      if (code /= 0) return
+      read (unit, "(a)", iostat=code) line
+      if (code == 0 .and. line == study_head) then
+         call append(names, study_list)
+         do
+            read (unit, "(a)", iostat=code) line
+            if (code /= 0) exit
+            call append(names, trim(line))
+         end do
+      end if
+      close (unit)
+   end subroutine listed_files
 
    !> Names from a row of the summary.
    subroutine split(row, names)

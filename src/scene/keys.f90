@@ -29,7 +29,8 @@ contains
          number_key("tolerance", 1, 1, "1e-12", "relative", &
             "of a step of splitting 'taylor', 1e-15 to 1e-2"), &
          number_key("seed", 1, 1, "1", "integer", "seed of all random numbers"), &
-         number_key("threads", 1, 1, "0", "integer", "threads; 0 = as many as OpenMP offers"), &
+         number_key("threads", 1, 1, "0", "integer", &
+         "threads; 0 = as OpenMP says, for work of 20 ms or more"), &
          text_key("from", "", "", "restart file to continue from"), &
          logical_key("reseed", ".false.", "with from: go on with this seed, as another branch")]
    end subroutine scene_keys

@@ -74,7 +74,7 @@ module poinsot_scene_settings
       real(dp) :: tol = 1e-8_dp
       real(dp) :: tolerance = 1e-12_dp        !! of splitting taylor
       integer(i8) :: seed = 1
-      integer :: threads = 0                  !! 0: as many as OpenMP offers
+      integer :: threads = 0                  !! 0: as OpenMP says, for long work
       character(:), allocatable :: from       !! restart file to continue from, "" = none
       logical :: reseed = .false.             !! a continuation may have another seed
       character(:), allocatable :: chosen     !! what `auto` chose and promises, "" = nothing

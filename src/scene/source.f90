@@ -9,7 +9,7 @@ module poinsot_scene_source
    public :: scene_value, scene_entry, scene_group, scene_source
    public :: value_null, value_number, value_logical, value_text
    public :: from_option
-   public :: append, place, reject, find_group
+   public :: append, place, reject, find_group, find_groups
 
    integer, parameter :: from_option = -1 !! line of what stands on the command line, not in the
                                           !! file
@@ -97,6 +97,22 @@ contains
       source%count = source%count + 1
       source%groups(source%count) = item
    end subroutine append_group
+
+   !> Places of all groups of that name in the source, in its order.
+   pure function find_groups(source, name) result(places)
+      type(scene_source), intent(in) :: source !! the scanned file
+      character(*), intent(in) :: name         !! lower case
+      integer, allocatable :: places(:)
+      integer :: i, n
+      allocate (places(source%count))
+      n = 0
+      do i = 1, source%count
+         if (source%groups(i)%name /= name) cycle
+         n = n + 1
+         places(n) = i
+      end do
+      places = places(:n)
+   end function find_groups
 
    !> Place of the n-th group of that name in the source, 0 if there is none.
    pure integer function find_group(source, name, nth)

@@ -2,6 +2,7 @@
 !> sentences that people read.
 module poinsot_study_cost_files
    use poinsot_core_kinds, only: dp, qp
+   use poinsot_core_maxima, only: larger
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_version, only: version_text
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
@@ -216,7 +217,7 @@ contains
          "energy        is not kept by the scene: its error is the " // &
                                           "distance from the reference, and no long run is made", &
                                              error)
-      doubt = max(median(study%reference%angle), median(study%reference%momentum))
+      doubt = larger(median(study%reference%angle), median(study%reference%momentum))
       if (any(tolerances < doubt)) call put(file, "doubt         errors below " // &
          brief_number(doubt) // " are within the reference's own", error)
       call put_choices(file, study, tolerances, of_both, error)

@@ -1,6 +1,7 @@
 !> Long runs of a cost study: who is followed, and with which step.
 module poinsot_study_cost_long
    use poinsot_core_kinds, only: dp
+   use poinsot_core_maxima, only: larger, largest_of
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_watch, only: run_watch
@@ -32,7 +33,7 @@ contains
       change = 0
       associate (e => study%reference%state%energy, scale => study%reference%state%scale)
          do i = lbound(e, 2), ubound(e, 2)
-            change = max(change, maxval(abs(e(:, i) - e(:, lbound(e, 2)))/scale))
+            change = larger(change, largest_of(abs(e(:, i) - e(:, lbound(e, 2)))/scale))
          end do
       end associate
       study%conserves = change < 1e-9_dp

@@ -3,6 +3,7 @@
 module poinsot_study_cost_plots
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_scene_claim, only: picture_claims
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_plot_data, only: put_variable
    use poinsot_scene_settings, only: scene_settings
@@ -15,8 +16,10 @@ module poinsot_study_cost_plots
    use poinsot_study_statistics, only: median
    implicit none(type, external)
    private
-   public :: write_cost_plots, cost_pictures
+   public :: write_cost_plots, cost_pictures, cost_files
 
+   character(16), parameter :: all_pictures(4) = [character(16) :: "attitude_cost", &
+      "momentum_cost", "attitude_step", "energy_drift"]
    integer, parameter :: label_length = 52, strong = 8 !! curves with colours of their own
    real(dp), parameter :: rounding = 1e-13_dp !! curves below this are rounding alone
 
@@ -55,9 +58,15 @@ contains
    pure function cost_pictures(study) result(names)
       type(cost_study), intent(in) :: study
       character(16), allocatable :: names(:)
-      names = [character(16) :: "attitude_cost", "momentum_cost", "attitude_step"]
-      if (size(study%drift) > 0) names = [character(16) :: names, "energy_drift"]
+      names = all_pictures(:merge(4, 3, size(study%drift) > 0))
    end function cost_pictures
+
+   !> Every file that a cost study may write into its folder.
+   pure function cost_files() result(names)
+      character(64), allocatable :: names(:)
+      names = [character(64) :: "cost.csv", "drift.csv", "members.csv", "cost.txt", "cost.gp", &
+         "rivals.csv", picture_claims(all_pictures)]
+   end function cost_files
 
    !> A number and an array of names.
    subroutine put_names(file, count_name, name, labels, error)

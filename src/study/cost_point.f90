@@ -1,6 +1,8 @@
 !> One point of a work-precision diagram: a candidate with one step, its errors and its time.
 module poinsot_study_cost_point
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_maxima, only: larger, largest_of
    use poinsot_study_errors, only: body_errors
    use poinsot_study_statistics, only: median
    implicit none(type, external)
@@ -46,13 +48,15 @@ contains
       point%momentum = three(errors%momentum, given_bodies)
       point%energy = three(errors%energy, given_bodies)
       point%slope = three(errors%slope, given_bodies)
+      ! an error that is no number is that of no result
+      point%good = point%good .and. all(ieee_is_finite([point%angle, point%momentum, point%energy]))
    end subroutine digest
 
    pure function three(x, given_bodies) result(values)
       real(dp), intent(in) :: x(:)
       integer, intent(in) :: given_bodies
       real(dp) :: values(all_states)
-      values = [median(x), maxval(x), maxval(x(:given_bodies))]
+      values = [median(x), largest_of(x), largest_of(x(:given_bodies))]
    end function three
 
    !> The error that counts.
@@ -66,7 +70,7 @@ contains
       case (of_momentum)
          error = point%momentum(which)
       case default
-         error = max(point%angle(which), point%momentum(which))
+         error = larger(point%angle(which), point%momentum(which))
       end select
    end function error_of
 

@@ -8,6 +8,7 @@
 !> depend on q.
 module poinsot_study_defects
    use poinsot_core_kinds, only: dp, qp
+   use poinsot_core_maxima, only: largest_of
    use poinsot_study_dual, only: dual, constant, variable, value_of
    use poinsot_study_maps, only: step_map, dual_product
    use poinsot_study_quadruple, only: cross
@@ -124,9 +125,9 @@ contains
       real(qp) :: d(3, 3), small(3, 3), large(6, 6)
       d = m(4:6, 4:6)
       small = matmul(d, matmul(hat(y), transpose(d))) - hat(y1)
-      found%poisson = real(max(maxval(abs(small)), maxval(abs(m(4:6, 1:3)))), dp)
+      found%poisson = largest_of(real([abs(small), abs(m(4:6, 1:3))], dp))
       large = matmul(transpose(m), matmul(form(y1), m)) - form(y)
-      found%symplectic = real(maxval(abs(large)), dp)
+      found%symplectic = largest_of(reshape(real(abs(large), dp), [size(large)]))
    end subroutine form_defects
 
    !> The matrix of Omega.

@@ -1,6 +1,7 @@
 !> The efficient frontier with as few names as measured times can tell apart.
 module poinsot_study_efficient
    use poinsot_core_kinds, only: dp
+   use poinsot_core_maxima, only: larger
    use poinsot_study_cost_point, only: cost_point, error_of, middle
    implicit none(type, external)
    private
@@ -67,7 +68,7 @@ contains
       deviation = coarsest ! no names for what rounding leaves of one and takes from another
       do i = 1, size(points)
          if (points(i)%good .and. points(i)%ns > 0) deviation = min(deviation, &
-            max(error_of(points(i), what, &
+            larger(error_of(points(i), what, &
             middle), finest))
       end do
       n = max(1, int(log(coarsest/(3*deviation))/log(grid)))
@@ -79,9 +80,9 @@ contains
       do i = 1, size(points)
          associate (p => points(i))
             if (.not. p%good .or. .not. p%ns > 0) cycle
-            deviation = max(error_of(p, what, middle), finest)
+            deviation = larger(error_of(p, what, middle), finest)
             do j = 1, n
-               if (deviation > tol(j)) exit
+               if (.not. deviation <= tol(j)) exit
                cost_of(p%candidate, j) = min(cost_of(p%candidate, j), p%ns/p%h)
             end do
          end associate
@@ -118,7 +119,7 @@ contains
       allocate (line(2, n))
       left = points%front(what)
       do i = 1, size(points)
-         deviation(i) = max(error_of(points(i), what, middle), finest)
+         deviation(i) = larger(error_of(points(i), what, middle), finest)
       end do
       do i = 1, n
          k = maxloc(deviation, 1, mask=left)

@@ -2,6 +2,7 @@
 !> with.
 module poinsot_study_energy_drift
    use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_maxima, only: larger, largest_of
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_scene_settings, only: scene_settings
@@ -76,9 +77,9 @@ contains
          if (.not. good) exit
          done = next
          call member_energies(plan, members, done*h, y, q, now)
-         most = max(most, abs(now - begin)/scale)
+         most = larger(most, abs(now - begin)/scale)
          n = n + 1
-         rows(n) = drift_row(number, h, done*h, median(most), maxval(most))
+         rows(n) = drift_row(number, h, done*h, median(most), largest_of(most))
       end do
    end subroutine follow_energy
 

@@ -1,6 +1,7 @@
 !> How far a run is from a reference: attitude, momentum, energy, drift of energy; body by body.
 module poinsot_study_errors
    use poinsot_core_kinds, only: dp, qp
+   use poinsot_core_maxima, only: largest_of
    use poinsot_study_statistics, only: line_slope
    use poinsot_study_trial, only: trial_run
    implicit none(type, external)
@@ -45,7 +46,7 @@ contains
                                                               ubound(reference%energy, &
                                                                  2))))/reference%scale(i)
          end do
-         errors%energy(i) = maxval(abs(deviation))
+         errors%energy(i) = largest_of(abs(deviation))
          errors%slope(i) = abs(line_slope(deviation))*looks/t_end
       end do
    end subroutine find_errors

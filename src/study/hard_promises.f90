@@ -13,6 +13,7 @@ module poinsot_study_hard_promises
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_free_method, only: free_method, find_method
    use poinsot_rotation_quaternion, only: rotate
+   use poinsot_study_hard_frames, only: in_a_frame, with_a_wheel, few_digits
    use poinsot_study_turn, only: turn_one
    implicit none(type, external)
    private
@@ -39,7 +40,10 @@ module poinsot_study_hard_promises
       promise("too-far", 0.0_dp, "a step beyond the method's reach: refused, the state kept"), &
       promise("near-unit", 60.0_dp, "|q| off by 1e-16 to 1e-6: used as it is, the norm stays"), &
       promise("no-unit", 0.0_dp, &
-         "|q| off by more, zero, infinite, not a number: refused, state kept")]
+         "|q| off by more, zero, infinite, not a number: refused, state kept"), &
+      promise("frame", 500.0_dp, "a top told by a tensor in another frame: the same motion"), &
+      promise("wheel", 500.0_dp, "a wheel: drift and step the same bits, Q y kept"), &
+      promise("slack", 0.0_dp, "few digits taken to the slack, refused beyond it")]
 
    character(9), parameter :: promise_names(*) = promises%name
    real(dp), parameter :: promise_bounds(*) = promises%bound
@@ -80,6 +84,11 @@ contains
          case ("any-step"); one = any_step(method, b)
          case ("too-far"); one = too_far(method, b)
          case ("near-unit"); one = near_unit(name, b)
+         case ("frame"); one = another_frame(method, b)
+         case ("wheel")
+            one = measured_nothing ! there is none on a linear body
+            if (moments(1, b) > 0) one = with_a_wheel(name, moments(:, b), momenta(:, b))
+         case ("slack"); one = few_digits(name)
          case default; one = no_unit(name, b)
          end select
          ! its roundings grow like the largest moment over the smallest: a thin body counts for less
@@ -89,6 +98,18 @@ contains
          figure = max(figure, one)
       end do
    end function measure_promise
+
+   !> A tensor knows a small moment only to its rounding, and axes of equal moments not at all, by
+   !> which methods of fixed axes go.
+   real(dp) function another_frame(method, b) result(figure)
+      type(free_method), intent(in) :: method
+      integer, intent(in) :: b
+      logical :: equal
+      equal = count(abs(moments(:, b) - cshift(moments(:, b), 1)) <= 0) > 0
+      figure = measured_nothing
+      if (b == thin_body .or. (equal .and. method%fixed_axes)) return
+      figure = in_a_frame(trim(method%name), moments(:, b), momenta(:, b))
+   end function another_frame
 
    !> Three steps in units of moment and of rate, taken back to the plain units.
    real(dp) function other_units(name, b, two) result(figure)

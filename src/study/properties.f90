@@ -11,7 +11,8 @@ module poinsot_study_properties
    use poinsot_core_status, only: poinsot_ok, poinsot_e_convergence
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_rotation_quaternion, only: rotate
-   use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
+   use poinsot_scene_claim, only: claim_files
+   use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_study_defects, only: defects, measure_defects, plain_step
    use poinsot_study_maps, only: has_map
    use poinsot_study_write_line, only: write_line
@@ -81,7 +82,7 @@ contains
       character(100) :: contradictions(100)
       integer :: i, said
       if (folder /= "") then
-         call make_folder(folder, error)
+         call claim_files(folder, ["properties.csv"], error)
          if (.not. raised(error)) call open_out(folder//"/properties.csv", file, error)
          if (raised(error)) return
          call put(file, csv_head(), error)

@@ -3,6 +3,7 @@
 !> is out.
 module poinsot_study_search
    use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_maxima, only: larger, largest_of
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_scene_watch, only: run_watch
    use poinsot_study_clock, only: time_limit, now_by, left_of
@@ -197,10 +198,10 @@ contains
          return
       end if
       call compare_states(real(run%y, qp), real(run%q, qp), task%reference, angle, momentum)
-      angle = max(angle, momentum)*task%growth
+      angle = larger(angle, momentum)*task%growth
       near = median(angle)
-      given = maxval(angle(:task%members%given))
-      deviation = max(near, given)
+      given = largest_of(angle(:task%members%given))
+      deviation = larger(near, given)
       one%last = deviation
       one%paid = price_of(one, multiple)
       if (deviation < 0.7_dp*one%best_error) then

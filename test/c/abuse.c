@@ -1,5 +1,6 @@
 /* What a C host may do wrong, and what it may ask for twice: answered, never suffered. Run plainly, under the sanitizers and
  * under valgrind. */
+#include <fenv.h>
 #include <math.h>
 #include <poinsot.h>
 #include <stdio.h>
@@ -597,6 +598,14 @@ static void fixed_form(void) {
   poinsot_drift_f_(&plan, &bodies, y[0], q[0], mixed, &h, each, &status);
   CHECK(status == POINSOT_E_PARTIAL && each[0] == POINSOT_E_DOMAIN && each[1] == POINSOT_OK && each[2] == POINSOT_OK);
   CHECK(q[0][0] == 1 && memcmp(q[1], q2[0], sizeof q[1]) == 0 && q[2][0] == 1);
+  { /* four components, of a plan that takes three */
+    double w[4][n] = {{1, 1, 1}};
+    for (i = 0; i < n; i++) x[0][i] = 0, x[1][i] = 0.2, x[2][i] = 0.4, x[3][i] = 0.6;
+    poinsot_drift_c_f_(&plan, &bodies, x[0], x[1], x[2], x[3], w[0], w[1], w[2], w[3], none, &h, each, &status);
+    CHECK(status == POINSOT_E_METHOD && w[0][0] == 1);
+    poinsot_kick_c_f_(&plan, &bodies, x[0], x[1], x[2], x[3], w[0], w[1], w[2], w[3], none, &h, x[0], x[1], x[2], each, &status);
+    CHECK(status == POINSOT_E_METHOD && x[1][0] == 0.2);
+  }
   poinsot_plan_destroy_f_(&plan);
   poinsot_plan_create_f_(&plan, &status);
   poinsot_plan_add_class_f_(&plan, second, &number, &status);
@@ -667,6 +676,59 @@ static void *run(void *given) {
   return NULL;
 }
 
+/* No text is cut: what is wrong at the end of a long one is found. */
+static void long_text(void) {
+  enum { length = 70000 };
+  poinsot_plan *plan;
+  char *text = malloc(length + 20);
+  CHECK(poinsot_plan_create(&plan) == POINSOT_OK);
+  memset(text, ' ', length);
+  strcpy(text, "centre = 0 0 1");
+  text[14] = ' ';
+  strcpy(text + length, "; nosuch = 1");
+  CHECK(poinsot_plan_add_effect(plan, "gravity", text) == POINSOT_E_METHOD);
+  strcpy(text + length, "; weight = 2");
+  CHECK(poinsot_plan_add_effect(plan, "gravity", text) == POINSOT_OK);
+  free(text);
+  poinsot_plan_destroy(&plan);
+}
+
+/* A thread that does not round to nearest is told so, by every way in; afterwards all is as before. */
+static void rounding(void) {
+  enum { n = 3 };
+  const int modes[3] = {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
+  const double h = 0.1, torque[n][3] = {{0.1, 0.2, 0.3}}, *const columns[3] = {torque[0], torque[0] + 1, torque[0] + 2};
+  const int exact = 1, one = 1, bodies = n;
+  poinsot_plan *plan;
+  poinsot_body *body;
+  poinsot_bodies view;
+  double y[n][3], q[n][4];
+  int k, i, status, got[4], each[n];
+  CHECK(poinsot_body_create(moments, &body) == POINSOT_OK);
+  CHECK(poinsot_plan_create(&plan) == POINSOT_OK);
+  CHECK(poinsot_plan_add_class(plan, moments, NULL) == POINSOT_OK);
+  CHECK(poinsot_plan_ready(plan) == POINSOT_OK);
+  for (i = 0; i < n; i++) {
+    y[i][0] = 0.1, y[i][1] = 0.2, y[i][2] = 0.3;
+    q[i][0] = 1, q[i][1] = q[i][2] = q[i][3] = 0;
+  }
+  CHECK(poinsot_bodies_rows(&view, "native", "wxyz", n, y[0], q[0]) == POINSOT_OK);
+  for (k = 0; k < 3; k++) {
+    fesetround(modes[k]);
+    got[0] = poinsot_drift(plan, &view, h);
+    got[1] = poinsot_kick(plan, &view, h, columns, 3);
+    got[2] = poinsot_rotate(body, "exact", h, 1, n, y[0], q[0], each);
+    poinsot_rotate_f_(moments, &exact, &h, &one, &bodies, y[0], q[0], each, &got[3]);
+    fesetround(FE_TONEAREST);
+    for (i = 0; i < 4; i++) CHECK(got[i] == POINSOT_E_PARTIAL);
+    CHECK(each[0] == POINSOT_E_DOMAIN && q[0][0] == 1);
+  }
+  status = poinsot_drift(plan, &view, h);
+  CHECK(status == POINSOT_OK && q[0][0] < 1);
+  poinsot_plan_destroy(&plan);
+  poinsot_body_destroy(&body);
+}
+
 static void threads(void) {
   poinsot_plan *plan;
   half *two = calloc(2, sizeof *two);
@@ -695,6 +757,8 @@ int main(void) {
   jacobi();
   plan();
   bodies();
+  long_text();
+  rounding();
   threads();
   printf("abuse: %d checks, %d failed\n", checks, failures);
   return failures != 0;
