@@ -20,8 +20,7 @@ module poinsot_scene_frames
    public :: frame_writer, open_frames, write_frame, finish_frames
 
    integer, parameter :: chunk = 4096           !! bodies that are on their way at once
-   integer, parameter :: state_columns = 12     !! of the CSV file, &
-      before those that the scene chose
+   integer, parameter :: state_columns = 12     !! of the CSV file, before those of the scene's own
 
    !> Open files, and what they need.
    type :: frame_writer
@@ -159,7 +158,7 @@ contains
 
    !> Rows of a frame; those of XYZ have the principal axes.
    subroutine write_rows(frames, scene, t, first, numbers, rows, error)
-      type(frame_writer), intent(in) :: frames
+      type(frame_writer), intent(inout) :: frames
       type(scene_settings), intent(in) :: scene
       real(dp), intent(in) :: t
       integer(i8), intent(in) :: first                    !! place of the first among those written
