@@ -2,7 +2,7 @@
 module app_choose
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_scene_files, only: make_folder
+   use poinsot_scene_files, only: make_folder, is_folder
    use poinsot_scene_settings, only: scene_settings
    use poinsot_study_choose, only: choose_request, choice, choose_method, tolerance_kept
    use poinsot_study_choose_text, only: choice_lines, verdict, write_chosen_scene
@@ -82,6 +82,8 @@ contains
       if (len(out) == 0) then
          out = "poinsot-out/" // scene%name // "-chosen.nml"
          call make_folder("poinsot-out", error)
+      else if (is_folder(out)) then
+         out = out // "/" // scene%name // "-chosen.nml"
       end if
       allocate (settings(size(options%settings)))
       do i = 1, size(settings)

@@ -11,13 +11,16 @@ module app_find_scene
    character(*), parameter :: ending = ".nml"
 
    !> The scenes that are shipped, in the order of the list.
-   character(16), parameter :: shipped_scenes(11) = [character(16) :: &
-      "free-body", "tennis-racket", "heavy-top", "sleeping-top", "kovalevskaya", "satellite", &
-      "rotating-field", "dipole-chain", "gyrostat", "thermostat", "large-ensemble"]
+   character(16), parameter :: shipped_scenes(19) = [character(16) :: &
+      "free-body", "tennis-racket", "toutatis", "heavy-top", "sleeping-top", "lagrange", &
+      "kovalevskaya", "gyrocompass", "satellite", "hyperion", "rotating-field", "kapitza", &
+      "dipole-chain", "chaotic-pair", "own-potential", "gyrostat", "thermostat", "mixture", &
+      "large-ensemble"]
 
 contains
 
-   !> The file of a scene: `scene` itself if there is such a file, else NAME.nml in the folders.
+   !> The file of a scene: - is the standard input, `scene` itself if there is such a file, else
+   !> NAME.nml in the folders.
    subroutine find_scene(scene, file, found)
       character(*), intent(in) :: scene
       character(:), allocatable, intent(out) :: file
@@ -26,6 +29,7 @@ contains
       logical :: is_folder
       integer :: i
       file = scene
+      if (scene == "-") file = "/dev/stdin"
       inquire (file=file, exist=found)
       inquire (file=file // "/.", exist=is_folder)
       if (found .and. .not. is_folder .or. index(scene, "/") > 0) return

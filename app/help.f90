@@ -69,7 +69,8 @@ contains
             "The tolerance is for the attitude, in radians, and for the momentum, over its size.", &
             "", &
             "   --tol TOL              the tolerance, 1e-15 to 1 (default &scene tol)", &
-            "   --out FILE             the scene written (default poinsot-out/SCENE-chosen.nml)", &
+            "   --out FILE             the scene written, or a folder for it (default", &
+            "                          poinsot-out/SCENE-chosen.nml)", &
             "   --budget TIME          of the processor, as 20s or 2m (default 20s): another", &
             "                          program at work changes the wait, not the choice", &
             "   --methods A,B,C        among these only", &
@@ -180,7 +181,7 @@ contains
          "   --threads N            threads (default: as OpenMP says, for 20 ms and more)", &
          "   --set GROUP.KEY=VALUE  a setting over the file's own, as often as wanted:", &
          "                          --set scene.h=0.05 --set bodies.y=0,0.6,-0.8", &
-         "                          bodies(2).KEY names the second &bodies group; so with effects", &
+         "                          bodies(2).KEY names the second &bodies; so with effects", &
          "   --check                check the scene, say what it would do, run nothing", &
          "   --no-pictures          write the plot scripts, do not run gnuplot", &
          "   --no-view              no view.html", &

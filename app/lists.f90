@@ -195,6 +195,7 @@ contains
       left = name
       value = "-"
       if (key%default /= "") value = key%default(1:len(value))
+      if (len_trim(key%default) >= len(value)) value = key%default(:len(value) - 4) // "..."
       if (key%is_text .and. key%default /= "" .and. key%default /= "required") then
          value = "'" // trim(value(1:len(value) - 2)) // "'"
       end if

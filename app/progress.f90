@@ -17,6 +17,8 @@ module app_progress
       logical :: dirty = .false.           !! the line has been written
       integer(i8) :: last = 0              !! clock at the last line
       character(9) :: clock = ""  !! of a study whose progress is its budget: wall, processor
+      integer(i8) :: begun = 0             !! clock at the first line of a run,
+      real(dp) :: t_begun = 0              !! and the time that it had reached
    contains
       procedure :: stop_now
       procedure :: report_progress
@@ -36,6 +38,7 @@ contains
       class(progress_watch), intent(inout) :: self
       real(dp), intent(in) :: t, t_end
       integer(i8) :: now, rate
+      character(:), allocatable :: line
       if (.not. self%shown) return
       call system_clock(now, rate)
       if (real(now - self%last, dp) < pause*real(rate, dp)) return
@@ -46,11 +49,42 @@ contains
             text_of(nint(t)) // " of " // text_of(nint(t_end)) // " " // trim(self%clock) // &
             " seconds, at most " // text_of(max(0, nint(t_end - t))) // " left    "
       else
-         write (error_unit, "(a, i3, a)", advance="no") achar(13), int(100*t/t_end), " %  t = " // &
-            text_of(real(real(t), dp)) // " of " // text_of(t_end) // "    "
+         if (self%begun == 0 .or. t < self%t_begun) then
+            self%begun = now
+            self%t_begun = t
+         end if
+         line = progress_line(t, t_end, self%t_begun, real(now - self%begun, dp)/real(rate, dp))
+         write (error_unit, "(a)", advance="no") achar(13) // line // &
+            repeat(" ", max(0, 70 - len(line)))
       end if
       flush (error_unit)
    end subroutine report_progress
+
+   !> " 42 %  t = 4.2 of 10.0, 12 s left"
+   pure function progress_line(t, t_end, t_begun, seconds) result(line)
+      real(dp), intent(in) :: t, t_end !! time reached, and that of the end
+      real(dp), intent(in) :: t_begun  !! where the clock began
+      real(dp), intent(in) :: seconds  !! since then
+      character(:), allocatable :: line
+      character(16) :: number
+      real(dp) :: left
+      write (number, "(i3)") int(100*t/t_end)
+      line = trim(number) // " %  t = "
+      write (number, "(g0.4)") t
+      line = line // trim(adjustl(number)) // " of " // text_of(t_end)
+      if (seconds < 1 .or. .not. t > t_begun) return
+      left = seconds*((t_end - t)/(t - t_begun))
+      if (left >= 5400) then
+         write (number, "(f12.1)") left/3600
+         line = line // ", " // trim(adjustl(number)) // " h left"
+      else if (left >= 90) then
+         write (number, "(i0)") nint(left/60)
+         line = line // ", " // trim(number) // " min left"
+      else
+         write (number, "(i0)") nint(left)
+         line = line // ", " // trim(number) // " s left"
+      end if
+   end function progress_line
 
    !> Take the line away.
    subroutine wipe(self)

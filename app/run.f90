@@ -15,7 +15,7 @@ module app_run
    use poinsot_scene_folder, only: folder_lock, lock_folder
    use poinsot_scene_run, only: run_scene, check_scene
    use poinsot_scene_pictures, only: picture_names
-   use poinsot_scene_summary, only: run_report
+   use poinsot_scene_summary, only: run_report, class_words
    use poinsot_study_auto, only: resolve_auto
    use app_arguments, only: word, word_list, option_value, is_option, append_word
    use app_codes, only: exit_ok, exit_tolerance, exit_runtime, exit_usage, exit_of_run
@@ -191,6 +191,7 @@ contains
       type(poinsot_error) :: error
       type(scene_settings) :: trial
       real(dp) :: rows
+      integer :: i, j
       trial = scene
       if (trial%method == "auto") trial%method = "exact"
       if (trial%splitting == "auto") trial%splitting = "srkn6"
@@ -207,6 +208,14 @@ contains
       rows = rows*output_count(scene)
       call say(scene%file // ": scene OK")
       call say("   bodies   " // text_of(body_total(scene)))
+      do i = 1, size(scene%bodies)
+         call say("   class " // text_of(i) // "  moments " // class_words(scene, i))
+         if (.not. scene%bodies(i)%turned) cycle
+         do j = 1, 3
+            call say("            axis " // text_of(j) // "  " // &
+               text_of(scene%bodies(i)%axes(:, j) + 0.0_dp))
+         end do
+      end do
       if (is_auto(scene)) then
          call say("   steps    chosen at the start, for tol = " // text_of(scene%tol))
       else

@@ -5,7 +5,7 @@ module bench_effect_plans
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_effect_effect, only: effect
    use poinsot_effect_registry, only: describe_effect
-   use poinsot_effect_settings, only: effect_info, setting, number_setting
+   use poinsot_effect_settings, only: effect_info, setting, number_setting, text_setting
    use poinsot_ensemble_compose, only: make_ready
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_effect, add_ready_effect, &
       set_option
@@ -46,8 +46,10 @@ contains
       allocate (settings(0))
       do k = 1, size(info%keys)
          if (info%keys(k)%default /= "required") cycle
-         settings = [settings, number_setting(trim(info%keys(k)%name), &
-                                              some(1:min(3, max(1, info%keys(k)%least))))]
+         if (info%keys(k)%is_text) settings = [settings, text_setting(trim(info%keys(k)%name), &
+            "0.3*Q31 + 0.2*Q32 + 0.1*Q33")]
+         if (.not. info%keys(k)%is_text) settings = [settings, number_setting(trim(info%keys(k)%name), &
+            some(1:min(3, max(1, info%keys(k)%least))))]
       end do
       if (size(info%keys) == 0) then
          allocate (down_torque :: own)

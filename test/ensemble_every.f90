@@ -37,7 +37,7 @@ module test_ensemble_every
       character(96) :: settings
    end type one_effect
 
-   type(one_effect), parameter :: effects(11) = [ &
+   type(one_effect), parameter :: effects(13) = [ &
       one_effect("gravity", "centre = 0.1, 0.2, 1; weight = 1.3"), &
       one_effect("field", "dipole = 1, 0.2, 0.3; strength = 0.2, 0, 1; motion = rotating; " &
       // "frequency = 3"), &
@@ -50,7 +50,9 @@ module test_ensemble_every
       one_effect("drag", "friction = 0.1, 0.2, 0.3"), &
       one_effect("langevin", "friction = 0.5; temperature = 0.4"), &
       one_effect("gyrostat", "rotor = 0.1, 0.3, 0.2; class = 2"), &
-      one_effect("dipoles", "dipole = 0.3, 0.1, 1; coupling = 0.01; spacing = 2")]
+      one_effect("dipoles", "dipole = 0.3, 0.1, 1; coupling = 0.01; spacing = 2"), &
+      one_effect("potential", "u = k*sin(t)*Q31 + exp(Q12*Q33) - Q11^3; constants = k = 0.4"), &
+      one_effect("potential", "u = sqrt(2 + Q33)/(3 - Q12) + atan2(Q11, 2 + Q22)")]
 
    type(one_effect), parameter :: drag = one_effect("drag", "friction = 0.1")
 

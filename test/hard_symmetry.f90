@@ -44,11 +44,11 @@ module test_hard_symmetry
    real(dp), parameter :: in_body(3) = [0.3_dp, -0.5_dp, 0.7_dp], in_space(3) = [0.4_dp, 0.9_dp, &
       -0.2_dp], across(3) = [0.9_dp, -0.4_dp, 0.0_dp], moments(3) = [0.8_dp, 0.6_dp, 1.1_dp]
 
-   character(18), parameter :: effects(14) = [character(18) :: "", "gravity", "field", "field", &
+   character(18), parameter :: effects(15) = [character(18) :: "", "gravity", "field", "field", &
       "field", "gravity_gradient", "gravity_gradient", "spring", "torque", "torque", "drag", &
-      "langevin", "gyrostat", "dipoles"]
-   character(11), parameter :: variants(14) = [character(11) :: "", "", "static", "rotating", &
-      "oscillating", "circular", "fixed", "", "body", "space", "", "", "", ""]
+      "langevin", "gyrostat", "dipoles", "potential"]
+   character(11), parameter :: variants(15) = [character(11) :: "", "", "static", "rotating", &
+      "oscillating", "circular", "fixed", "", "body", "space", "", "", "", "", ""]
 
 contains
 
@@ -98,6 +98,14 @@ contains
       m = m/norm2(m)
    end function of_axes
 
+   function number(x) result(text)
+      real(dp), intent(in) :: x
+      character(:), allocatable :: text
+      character(26) :: digits
+      write (digits, "(es26.16e3)") x
+      text = trim(adjustl(digits))
+   end function number
+
    !> The settings of an effect as the view tells them.
    subroutine tell(view, effect, variant, settings)
       type(view_of_it), intent(in) :: view
@@ -109,6 +117,13 @@ contains
       radial = rotate(view%space, across/norm2(across))
       normal = rotate(view%space, [0.0_dp, 0.0_dp, 1.0_dp])
       select case (effect)
+      case ("potential") ! gravity and the square of a cosine, by what Q's columns are in the view
+         settings = [text_setting("u", "m*(u*(x*Q11 + y*Q21 + z*Q31) + v*(x*Q12 + y*Q22 + z*Q32)" &
+            // " + (x*Q13 + y*Q23 + z*Q33)^2)"), text_setting("constants", "m = " // &
+            number(energy) // ", u = 0.3, v = -0.5, x = " // number(space(1)) // ", y = " // &
+            number(space(2)) // ", z = " // number(space(3))), &
+            number_setting("axes", [of_body(view, [1.0_dp, 0.0_dp, 0.0_dp]), &
+            of_body(view, [0.0_dp, 1.0_dp, 0.0_dp]), of_body(view, [0.0_dp, 0.0_dp, 1.0_dp])])]
       case ("gravity")
          settings = [number_setting("centre", of_body(view, in_body)*view%length), &
             number_setting("weight", [1.3_dp]*energy/view%length), number_setting("up", space)]

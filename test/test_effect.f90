@@ -13,6 +13,7 @@ module test_effect
    use poinsot_effect_registry, only: effect_count, effect_name, describe_effect, make_effect
    use poinsot_effect_settings, only: setting, effect_info, number_setting, text_setting
    use test_effect_motion, only: collect_motion
+   use test_effect_potential, only: collect_potential
    use test_effect_random, only: collect_random
    use test_effect_torque, only: collect_torque, energy_of, states
    use test_expectation, only: expect
@@ -25,7 +26,7 @@ contains
 
    subroutine collect_effect(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: torques(:), motion(:), random(:)
+      type(unittest_type), allocatable :: torques(:), motion(:), random(:), formulas(:)
       testsuite = [ &
          new_unittest("rows-are-complete", test_rows), &
          new_unittest("every-row-makes-its-effect", test_making), &
@@ -37,7 +38,8 @@ contains
       call collect_torque(torques)
       call collect_motion(motion)
       call collect_random(random)
-      testsuite = [testsuite, torques, motion, random]
+      call collect_potential(formulas)
+      testsuite = [testsuite, torques, motion, random, formulas]
    end subroutine collect_effect
 
    subroutine test_rows(error)
@@ -101,8 +103,13 @@ contains
       values = [0.5_dp, 1.0_dp, 2.0_dp]
       allocate (settings(0))
       do k = 1, size(info%keys)
-         if (info%keys(k)%default == "required") settings = [settings, &
-            number_setting(trim(info%keys(k)%name), values(:info%keys(k)%least))]
+         if (info%keys(k)%default /= "required") cycle
+         if (info%keys(k)%is_text) then
+            settings = [settings, text_setting(trim(info%keys(k)%name), "2*Q33")]
+         else
+            settings = [settings, &
+               number_setting(trim(info%keys(k)%name), values(:info%keys(k)%least))]
+         end if
       end do
    end subroutine required
 

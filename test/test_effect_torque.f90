@@ -305,7 +305,7 @@ contains
       type(effect_item), allocatable, intent(out) :: effects(:)
       type(poinsot_error) :: refusal
       real(dp), parameter :: a(3) = [0.3_dp, -0.5_dp, 0.7_dp], b(3) = [1.0_dp, 2.0_dp, -1.5_dp]
-      allocate (effects(6))
+      allocate (effects(11))
       call make_effect("gravity", [number_setting("centre", a), number_setting("up", b)], &
          effects(1)%it, refusal)
       call make_effect("field", [number_setting("dipole", a), number_setting("strength", b), &
@@ -319,6 +319,21 @@ contains
       call make_effect("torque", [number_setting("value", a), text_setting("frame", "space")], &
          effects(5)%it, refusal)
       call make_effect("torque", [number_setting("value", b)], effects(6)%it, refusal)
+      ! every function of formulas, and every operation on two things
+      call make_effect("potential", [text_setting("u", "k*(1 - Q33)^2 + 2^Q12*Q21 - Q13/(3 - Q22)" &
+         // " + (3 + Q31)^0.3 + (2 + Q11)^-2 + (4 + Q23)^Q32 + sqrt(2 + Q32*Q12)"), &
+         text_setting("constants", "K = 1.5")], effects(7)%it, refusal)
+      call make_effect("potential", [text_setting("u", "exp(Q11*Q22) + log(3 + Q13) - sin(w*t)" &
+         // "*sin(2*Q21)*cos(3*Q33) + tan(Q32/2) + atan2(Q23 - 0.1, Q12 + 3) + pi*Q11"), &
+         text_setting("constants", "w = 0.9")], effects(8)%it, refusal)
+      call make_effect("potential", [text_setting("u", "asin(Q11/2) + acos(Q22/2)*Q12 + " // &
+         "atan(2*Q33) + sinh(Q13) - cosh(Q31)*Q32 + tanh(3*Q21) + abs(Q23 + 2) - " // &
+         "min(Q11, 2, 3 + Q31) + max(Q12*Q12, -1)")], effects(9)%it, refusal)
+      call make_effect("potential", [text_setting("u", "(Q11 + 2*Q12 - Q33)^2"), &
+         number_setting("axes", [a, b, a - b])], effects(10)%it, refusal)
+      call make_effect("gravity_gradient", [number_setting("rate", [1.3_dp]), &
+         number_setting("eccentricity", [0.3_dp]), number_setting("anomaly", [1.0_dp])], &
+         effects(11)%it, refusal)
    end subroutine all_torques
 
    pure function turn_of(w) result(r)

@@ -10,7 +10,7 @@ module test_frame
    use poinsot_effect_callback, only: user_torque, user_potential
    use poinsot_effect_effect, only: effect
    use poinsot_effect_registry, only: effect_count, describe_effect
-   use poinsot_effect_settings, only: setting, effect_info, number_setting
+   use poinsot_effect_settings, only: setting, effect_info, number_setting, text_setting
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_compose, only: make_ready
@@ -91,8 +91,12 @@ contains
       integer :: k
       allocate (settings(0))
       do k = 1, size(info%keys)
-         if (info%keys(k)%default == "required" .or. info%keys(k)%name == "value") settings = &
-            [settings, number_setting(trim(info%keys(k)%name), generic(:info%keys(k)%least))]
+         if (info%keys(k)%is_text .and. info%keys(k)%default == "required") then
+            settings = [settings, text_setting(trim(info%keys(k)%name), "Q11*Q23 + 2*Q32 - Q13")]
+         else if (info%keys(k)%default == "required" .or. info%keys(k)%name == "value") then
+            settings = &
+               [settings, number_setting(trim(info%keys(k)%name), generic(:info%keys(k)%least))]
+         end if
       end do
    end subroutine some_settings
 
@@ -112,6 +116,8 @@ contains
             end if
          end do
       end do
+      if (info%name == "potential") settings = [settings, number_setting("axes", &
+         reshape(transpose(axes), [9]))]
    end subroutine turn_by_hand
 
    !> Every effect: motion and energies of a tensor class are those of its principal class.

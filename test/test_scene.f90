@@ -2,6 +2,7 @@
 module test_scene
    use testdrive, only: new_unittest, unittest_type, error_type, test_failed, skip_test
    use test_expectation, only: expect
+   use test_scene_endings, only: collect_scene_endings
    use test_scene_files, only: collect_scene_files
    use test_scene_beginnings, only: collect_scene_beginnings
    use test_scene_groups, only: collect_scene_groups
@@ -33,9 +34,11 @@ module test_scene
    character(*), parameter :: good_run = "&scene t_end=1 h=0.1 /" // nl, &
       good_body = "&bodies moments=0.6,0.8,1.0 y=1.8,0.4,-0.9 /" // nl
 
-   character(*), parameter :: shipped(11) = [character(16) :: "free-body", "tennis-racket", &
-      "heavy-top", "sleeping-top", "kovalevskaya", "satellite", "rotating-field", "dipole-chain", &
-      "gyrostat", "thermostat", "large-ensemble"]
+   character(*), parameter :: shipped(19) = [character(16) :: &
+      "free-body", "tennis-racket", "toutatis", "heavy-top", "sleeping-top", "lagrange", &
+      "kovalevskaya", "gyrocompass", "satellite", "hyperion", "rotating-field", "kapitza", &
+      "dipole-chain", "chaotic-pair", "own-potential", "gyrostat", "thermostat", "mixture", &
+      "large-ensemble"]
 
    !> A text that must be refused, and words of the message.
    type :: refusal
@@ -54,10 +57,11 @@ contains
 
    subroutine collect_scene(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: files(:), groups(:), beginnings(:)
+      type(unittest_type), allocatable :: files(:), groups(:), beginnings(:), endings(:)
       call collect_scene_files(files)
       call collect_scene_groups(groups)
       call collect_scene_beginnings(beginnings)
+      call collect_scene_endings(endings)
       testsuite = [ &
          new_unittest("numbers-as-text", test_numbers), &
          new_unittest("reader-values", test_values), &
@@ -82,7 +86,7 @@ contains
          new_unittest("output-refused", test_output_refused), &
          new_unittest("command-line", test_golden), &
          new_unittest("keys-documented", test_keys), &
-         files, groups, beginnings]
+         files, groups, beginnings, endings]
    end subroutine collect_scene
 
    !> A scene from its text.

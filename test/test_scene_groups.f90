@@ -24,7 +24,8 @@ contains
          new_unittest("mixture-of-two-fields", test_mixture), &
          new_unittest("effects-of-one-kind-add-up", test_sum), &
          new_unittest("settings-over-repeated-groups", test_override), &
-         new_unittest("rotors-of-two-classes", test_rotors)]
+         new_unittest("rotors-of-two-classes", test_rotors), &
+         new_unittest("formulas-in-scenes", test_formula)]
    end subroutine collect_scene_groups
 
    !> Each kind of body moves as it does alone in its own field.
@@ -122,5 +123,34 @@ contains
       call within(error, norm2(scene%bodies(1)%y - [1.3_dp, 0.4_dp, 1.25_dp]), 1e-15_dp, "first")
       call within(error, norm2(scene%bodies(2)%y - [1.3_dp, 0.4_dp, 2.25_dp]), 1e-15_dp, "second")
    end subroutine test_rotors
+
+   !> A formula moves a body as the effect it stands for, and keeps what its words leave; an error
+   !> names the line and the character.
+   subroutine test_formula(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      real(dp), allocatable :: one(:), other(:)
+      character(:), allocatable :: text
+      call make_scene(run // first_body // "&gravity centre=0,0,1 weight=2 /", scene, failure)
+      call run_made(scene, "formula-1", failure)
+      call make_scene(run // first_body // "&potential u='k*Q33' constants='k=2' /", scene, failure)
+      call run_made(scene, "formula-2", failure)
+      call expect(error, .not. raised(failure), "refused")
+      call column("formula-1/trajectory.csv", "y1", one)
+      call column("formula-2/trajectory.csv", "y1", other)
+      call expect(error, size(one) == 2 .and. size(other) == 2, "rows")
+      if (allocated(error)) return
+      call within(error, other(2) - one(2), 1e-14_dp, "formula against gravity")
+      call get_text(output // "formula-2/trajectory.gp", text)
+      call expect(error, index(text, "energy vertical norm") > 0, "what a formula of Q33 keeps")
+      call make_scene(run // first_body // "&potential u='sin(t)*Q13' /", scene, failure)
+      call run_made(scene, "formula-2", failure)
+      call get_text(output // "formula-2/trajectory.gp", text)
+      call expect(error, index(text, "work norm") > 0, "what a formula with t keeps")
+      call make_scene(run // first_body // "&potential u='2*Q44' /", scene, failure)
+      call expect(error, index(failure%message, "test.nml:4: &potential") > 0 .and. &
+         index(failure%message, "character 3: unknown name") > 0, failure%message)
+   end subroutine test_formula
 
 end module test_scene_groups

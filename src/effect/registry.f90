@@ -20,6 +20,7 @@ module poinsot_effect_registry
    use poinsot_effect_langevin, only: langevin_label, langevin_row
    use poinsot_effect_gyrostat, only: gyrostat_label, gyrostat_row
    use poinsot_effect_dipoles, only: dipoles_label, dipoles_row
+   use poinsot_effect_potential, only: potential_label, potential_row
    use poinsot_effect_callback, only: callback_label, callback_row
    implicit none(type, external)
    private
@@ -37,6 +38,7 @@ module poinsot_effect_registry
       langevin_label, &
       gyrostat_label, &
       dipoles_label, &
+      potential_label, &
       callback_label]
 
    integer :: k !! of the tables only
@@ -63,6 +65,7 @@ contains
          row_source(langevin_row), &
          row_source(gyrostat_row), &
          row_source(dipoles_row), &
+         row_source(potential_row), &
          row_source(callback_row)]
    end subroutine list_rows
 

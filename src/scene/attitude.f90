@@ -59,9 +59,7 @@ contains
          if (raised(error)) return
          way = trim(ways(i))
       end do
-      if (given(group, "convention") .and. way /= "euler") then
-         call reject_key(group, "convention", "goes with euler, which is not given", error)
-      else if (given(group, "degrees") .and. way /= "euler" .and. way /= "axis_angle") then
+      if (given(group, "degrees") .and. way /= "euler" .and. way /= "axis_angle") then
          call reject_key(group, "degrees", "goes with euler or axis_angle; neither is given", error)
       end if
    end subroutine find_way

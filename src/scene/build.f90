@@ -14,6 +14,7 @@ module poinsot_scene_build
       word_of, flag_of, &
       integer_of, plain, reject_key
    use poinsot_scene_bodies, only: build_bodies, add_rotors
+   use poinsot_scene_columns, only: column_names, find_columns
    use poinsot_scene_effects, only: build_effects
    use poinsot_scene_schedule, only: step_total, output_count
    use poinsot_taylor_settings, only: least_tolerance, most_tolerance
@@ -190,7 +191,7 @@ contains
       type(effect_info) :: info
       character(:), allocatable :: word
       integer :: k
-      allocate (scene%output%bodies(0), scene%output%times(0))
+      allocate (scene%output%bodies(0), scene%output%times(0), scene%output%columns(0))
       scene%output%restart = "restart.txt"
       scene%output%pictures = "none"
       scene%output%page = ""
@@ -203,6 +204,14 @@ contains
       word = word_of(group, "format")
       scene%output%csv = index(word, "csv") > 0
       scene%output%extxyz = index(word, "extxyz") > 0
+      scene%output%npy = index(word, "npy") > 0
+      scene%output%observables = flag_of(group, "observables")
+      call find_columns(word_of(group, "columns"), scene%output%columns, word)
+      if (word /= "") then
+         call reject_key(group, "columns", "= " // quoted(word_of(group, "columns")) // ": " // &
+            quoted(word) // " is not one of: " // joined(column_names), error)
+         return
+      end if
       scene%output%pictures = word_of(group, "pictures")
       scene%output%restart = word_of(group, "restart")
       if (index(scene%output%restart, "/") > 0) then

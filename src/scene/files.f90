@@ -8,7 +8,7 @@ module poinsot_scene_files
    use poinsot_core_status, only: poinsot_e_io
    implicit none(type, external)
    private
-   public :: out_file, open_out, put, put_text, flush_out, finish_out, is_open
+   public :: out_file, open_out, put, put_text, rewind_out, flush_out, finish_out, is_open
    public :: take_name, unfinished
    public :: make_folder, remove_file, file_exists, is_folder, real_path
 
@@ -53,6 +53,12 @@ module poinsot_scene_files
          implicit none(type, external)
          type(c_ptr), value, intent(in) :: file
       end function c_fflush
+
+      subroutine c_rewind(file) bind(c, name="rewind")
+         import :: c_ptr
+         implicit none(type, external)
+         type(c_ptr), value, intent(in) :: file
+      end subroutine c_rewind
 
       integer(c_int) function c_fclose(file) bind(c, name="fclose")
          import :: c_int, c_ptr
@@ -158,7 +164,8 @@ contains
       call put_text(file, line // c_new_line, error)
    end subroutine put
 
-   !> Text that brings its ends of lines. Error: POINSOT_E_IO; nothing is written after an error.
+   !> Text that brings its ends of lines, or any bytes. Error: POINSOT_E_IO; nothing is written
+   !> after an error.
    subroutine put_text(file, text, error)
       type(out_file), intent(in) :: file !! open
       character(*), intent(in) :: text
@@ -168,6 +175,12 @@ contains
       length = len(text, c_size_t)
       if (c_fwrite(text, 1_c_size_t, length, file%handle) /= length) call no_room(file, error)
    end subroutine put_text
+
+   !> What is written next goes over the beginning of the file.
+   subroutine rewind_out(file)
+      type(out_file), intent(in) :: file !! open
+      call c_rewind(file%handle)
+   end subroutine rewind_out
 
    subroutine no_room(file, error)
       type(out_file), intent(in) :: file

@@ -159,6 +159,8 @@ contains
       if (.not. scene%output%present) return
       if (scene%output%csv) call append(names, "trajectory.csv")
       if (scene%output%extxyz) call append(names, "trajectory.xyz")
+      if (scene%output%npy) call append(names, "trajectory.npy")
+      if (scene%output%observables) call append(names, "observables.csv")
       if (len(scene%output%restart) > 0) call append(names, scene%output%restart)
       if (has_page(scene)) call append(names, page_name)
       call scene_files(scene, pictures)

@@ -9,6 +9,10 @@ module poinsot_scene_frames
    use poinsot_scene_collect, only: collect, row_size
    use poinsot_scene_effects, only: body_positions
    use poinsot_scene_files, only: out_file, finish_out, flush_out, is_open
+   use poinsot_scene_columns, only: column_names, column_values
+   use poinsot_scene_npy, only: npy_file, open_npy, write_npy, finish_npy
+   use poinsot_scene_observables, only: observable_file, open_observables, begin_observables, &
+      add_observables, end_observables, finish_observables
    use poinsot_scene_trajectory, only: open_csv, write_csv, open_xyz, begin_xyz, write_xyz, &
       semi_axes
    implicit none(type, external)
@@ -16,10 +20,13 @@ module poinsot_scene_frames
    public :: frame_writer, open_frames, write_frame, finish_frames
 
    integer, parameter :: chunk = 4096           !! bodies that are on their way at once
+   integer, parameter :: state_columns = 12     !! of the CSV file, before those of the scene's own
 
    !> Open files, and what they need.
    type :: frame_writer
       type(out_file) :: csv, xyz
+      type(npy_file) :: npy
+      type(observable_file) :: observables
       integer(i8), allocatable :: bodies(:)     !! numbers of those written; not allocated: all
       integer(i8) :: written = 0                !! how many
       real(dp), allocatable :: position(:, :), shape(:, :) !! (3, written), XYZ only
@@ -42,7 +49,15 @@ contains
          frames%written = size(frames%bodies, kind=i8)
       end if
       if (.not. speaks) return
-      if (scene%output%csv) call open_csv(out // "/trajectory.csv", frames%csv, error)
+      if (scene%output%csv) call open_csv(out // "/trajectory.csv", &
+         column_names(scene%output%columns), frames%csv, error)
+      if (scene%output%npy .and. .not. raised(error)) then
+         call open_npy(out // "/trajectory.npy", int(frames%written), &
+            state_columns + size(scene%output%columns), frames%npy, error)
+      end if
+      if (scene%output%observables .and. .not. raised(error)) then
+         call open_observables(out // "/observables.csv", scene, frames%observables, error)
+      end if
       if (raised(error) .or. .not. scene%output%extxyz) return
       call open_xyz(out // "/trajectory.xyz", frames%xyz, error)
       call place_bodies(scene, frames)
@@ -113,11 +128,37 @@ contains
       end do
       call flush_out(frames%xyz, error)
       call flush_out(frames%csv, error)
+      call flush_out(frames%npy%file, error)
+      if (scene%output%observables) then
+         call observe_all(frames, scene, t, states, kinetic, potential, ranks, error)
+      end if
    end subroutine write_frame
+
+   !> Averages over all bodies, whichever are written; all ranks call.
+   subroutine observe_all(frames, scene, t, states, kinetic, potential, ranks, error)
+      type(frame_writer), intent(inout) :: frames
+      type(scene_settings), intent(in) :: scene
+      real(dp), intent(in) :: t
+      type(body_states), intent(in) :: states
+      real(dp), intent(in) :: kinetic(:), potential(:)
+      class(communicator), intent(inout) :: ranks
+      type(poinsot_error), intent(inout) :: error
+      real(dp), allocatable :: rows(:, :)
+      integer(i8) :: from, to, i
+      allocate (rows(row_size, min(int(chunk, i8), body_total(scene))))
+      if (ranks%number == 0) call begin_observables(frames%observables, scene)
+      do from = 1, body_total(scene), chunk
+         to = min(body_total(scene), from + chunk - 1)
+         call collect(ranks, states, kinetic, potential, [(i, i=from, to)], rows)
+         if (ranks%number == 0) call add_observables(frames%observables, scene, from, &
+            rows(:, :int(to - from + 1)))
+      end do
+      if (ranks%number == 0) call end_observables(frames%observables, t, error)
+   end subroutine observe_all
 
    !> Rows of a frame; those of XYZ have the principal axes.
    subroutine write_rows(frames, scene, t, first, numbers, rows, error)
-      type(frame_writer), intent(in) :: frames
+      type(frame_writer), intent(inout) :: frames
       type(scene_settings), intent(in) :: scene
       real(dp), intent(in) :: t
       integer(i8), intent(in) :: first                    !! place of the first among those written
@@ -125,6 +166,7 @@ contains
       real(dp), intent(in) :: rows(:, :)
       type(poinsot_error), intent(inout) :: error
       real(dp) :: y(3, size(numbers)), q(4, size(numbers))
+      real(dp) :: more(size(scene%output%columns), size(numbers))
       integer(i8) :: before
       integer :: i, n, group
       n = size(numbers)
@@ -136,7 +178,7 @@ contains
          call write_xyz(frames%xyz, numbers, frames%position(:, first:first + n - 1), &
             frames%shape(:, first:first + n - 1), y, q, rows(8, :n) + rows(9, :n), error)
       end if
-      if (.not. is_open(frames%csv)) return
+      if (raised(error) .or. .not. (is_open(frames%csv) .or. is_open(frames%npy%file))) return
       group = 0
       before = 0
       do i = 1, n
@@ -144,9 +186,33 @@ contains
          q(:, i) = rows(4:7, i)
          call find_group(scene, numbers(i), group, before)
          call to_scene_frame(scene%bodies(group), y(:, i), q(:, i))
+         if (size(more, 1) > 0) call column_values(scene, group, rows(1:3, i), rows(4:7, i), &
+            scene%output%columns, more(:, i))
       end do
-      call write_csv(frames%csv, t, numbers, y, q, rows(8, :n), rows(9, :n), error)
+      if (is_open(frames%csv)) call write_csv(frames%csv, t, numbers, y, q, rows(8, :n), &
+         rows(9, :n), more, error)
+      if (is_open(frames%npy%file)) call write_array(frames%npy, t, numbers, y, q, rows(8, :n), &
+         rows(9, :n), more, error)
    end subroutine write_rows
+
+   !> Rows of trajectory.npy: the columns of the CSV file.
+   subroutine write_array(npy, t, numbers, y, q, kinetic, potential, more, error)
+      type(npy_file), intent(inout) :: npy
+      real(dp), intent(in) :: t
+      integer(i8), intent(in) :: numbers(:)
+      real(dp), intent(in) :: y(:, :), q(:, :), kinetic(:), potential(:), more(:, :)
+      type(poinsot_error), intent(inout) :: error
+      real(dp) :: values(state_columns + size(more, 1), size(numbers))
+      values(1, :) = t
+      values(2, :) = real(numbers, dp)
+      values(3:6, :) = q
+      values(7:9, :) = y
+      values(10, :) = kinetic
+      values(11, :) = potential
+      values(12, :) = kinetic + potential
+      values(13:, :) = more
+      call write_npy(npy, values, error)
+   end subroutine write_array
 
    !> Close the files and give them their names. Error: POINSOT_E_IO.
    subroutine finish_frames(frames, error)
@@ -154,6 +220,8 @@ contains
       type(poinsot_error), intent(inout) :: error
       call finish_out(frames%csv, error)
       call finish_out(frames%xyz, error)
+      call finish_npy(frames%npy, error)
+      call finish_observables(frames%observables, error)
    end subroutine finish_frames
 
 end module poinsot_scene_frames

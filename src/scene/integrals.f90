@@ -1,6 +1,8 @@
 !> What a scene keeps constant: the integrals of motion that its effects and bodies leave.
 module poinsot_scene_integrals
    use poinsot_core_kinds, only: dp
+   use poinsot_effect_formula_node, only: op_time
+   use poinsot_effect_potential, only: potential
    use poinsot_effect_registry, only: describe_effect, effect_number
    use poinsot_effect_settings, only: effect_info, get_values, get_value, get_text
    use poinsot_scene_settings, only: scene_settings, effect_setting, body_group, body_total
@@ -71,6 +73,9 @@ contains
       select case (item%name)
       case ("gravity", "spring", "dipoles", "gyrostat")
          return
+      case ("potential")
+         works = works .or. depends_on_time(item)
+         return
       case ("field")
          if (text_in(item, "motion") == "oscillating") works = .true.
          if (text_in(item, "motion") /= "rotating") return
@@ -126,6 +131,8 @@ contains
                end if
             case ("gyrostat")
                continue ! in the body
+            case ("potential")
+               symmetric_about = along(direction, z) .and. reads_third_row(item)
             case default
                symmetric_about = .false.
             end select
@@ -133,6 +140,28 @@ contains
          if (.not. symmetric_about) return
       end do
    end function symmetric_about
+
+   !> Does a formula know the time? Yes, if the effect is not made.
+   logical function depends_on_time(item)
+      type(effect_setting), intent(in) :: item
+      depends_on_time = .true.
+      if (.not. allocated(item%made)) return
+      select type (one => item%made)
+      class is (potential)
+         depends_on_time = any(one%u%op(:one%u%n) == op_time)
+      end select
+   end function depends_on_time
+
+   !> Does a formula read nothing of Q but its third row, which a turn about z leaves?
+   logical function reads_third_row(item)
+      type(effect_setting), intent(in) :: item
+      reads_third_row = .false.
+      if (.not. allocated(item%made)) return
+      select type (one => item%made)
+      class is (potential)
+         reads_third_row = .not. any(one%rows(:2))
+      end select
+   end function reads_third_row
 
    !> The third integral of Lagrange's and of Kovalevskaya's top: one kind of body, under gravity
    !> along z alone.

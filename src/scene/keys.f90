@@ -61,7 +61,7 @@ contains
          number_key("euler", 3, 3, "", "radians", &
             "or three angles about moving axes, q = q_1(a1) q_2(a2) q_3(a3)"), &
          text_key("convention", "zxz", "zxz xyx yzy zyz xzx yxy xyz yzx zxy xzy zyx yxz", &
-            "the axes of euler, in their order"), &
+            "the axes of euler, in their order; of columns euler1 2 3 too"), &
          number_key("axis_angle", 4, 4, "", "", &
             "or an axis of any length, and the angle about it"), &
          logical_key("degrees", ".false.", "angles of euler and axis_angle are in degrees"), &
@@ -94,8 +94,10 @@ contains
             "numbers of the bodies written, from 1; default all"), &
          number_key("sample", 1, 1, "0", "integer", &
             "or write so many bodies, evenly spread over all of them"), &
-         text_key("format", "csv", "csv extxyz csv+extxyz", &
-            "trajectory.csv, trajectory.xyz (OVITO), or both"), &
+         text_key("format", "csv", "csv extxyz npy csv+extxyz csv+npy csv+extxyz+npy", &
+            "trajectory.csv, .xyz (OVITO), .npy (NumPy), or several"), &
+         text_key("columns", "", "", "more of them: omega1 2 3, euler1 2 3, Qy1 2 3, tilt"), &
+         logical_key("observables", ".false.", "averages over all bodies: observables.csv"), &
          text_key("restart", "restart.txt", "", &
             "name of the restart file in the output folder; '' = none"), &
          text_key("pictures", "auto", "", &

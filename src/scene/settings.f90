@@ -20,6 +20,7 @@ module poinsot_scene_settings
       logical :: turned = .false.             !! the given frame is not the principal one
       logical :: physical = .true.            !! refuse moments that no mass has
       real(dp) :: y(3) = 0                    !! angular momentum
+      character(3) :: convention = "zxz"      !! of Euler angles
       logical :: from_omega = .false.         !! y was given as an angular velocity
       real(dp) :: rotor(3) = 0                !! momentum of its gyrostats: omega = (y - rotor)/I
       real(dp) :: q(4) = [1, 0, 0, 0]         !! attitude
@@ -55,7 +56,9 @@ module poinsot_scene_settings
       real(dp) :: every = 0                   !! time between outputs; 0 = use `times`
       real(dp), allocatable :: times(:)       !! output times, ascending
       integer(i8), allocatable :: bodies(:)   !! numbers of the bodies written; size 0 = all
-      logical :: csv = .true., extxyz = .false.
+      logical :: csv = .true., extxyz = .false., npy = .false.
+      logical :: observables = .false.
+      integer, allocatable :: columns(:)      !! further ones, by their numbers in column_names
       character(:), allocatable :: restart    !! name of the restart file, "" = none
       character(:), allocatable :: page       !! template of view.html, "" = no page
       character(:), allocatable :: pictures   !! none, body, top, tilt, angle, ensemble

@@ -14,7 +14,7 @@ module poinsot_scene_summary
    use poinsot_scene_states, only: body_states, to_scene_frame
    implicit none(type, external)
    private
-   public :: run_report, write_summary, brief_number
+   public :: run_report, write_summary, brief_number, class_words
 
    integer, parameter :: most_bodies_shown = 3, most_classes_shown = 5
 
@@ -107,10 +107,10 @@ contains
    function on_class(item) result(text)
       type(effect_setting), intent(in) :: item
       character(:), allocatable :: text
-      integer :: class
+      integer :: number
       text = ""
-      class = nint(number_in(item, "class"))
-      if (class > 0) text = " of class " // text_of(class)
+      number = nint(number_in(item, "class"))
+      if (number > 0) text = " of class " // text_of(number)
    end function on_class
 
    !> What this run wrote, or its scripts will draw: the next run into this folder may remove it.
@@ -195,8 +195,7 @@ contains
                "                        ", size(scene%bodies) > most_classes_shown)), error)
       do i = 1, min(size(scene%bodies), most_classes_shown)
          name = "  class " // text_of(i)
-         call row(file, name, text_of(scene%bodies(i)%moments) // "  (" // &
-                  describe_body(scene%bodies(i)%moments) // ")", error)
+         call row(file, name, class_words(scene, i), error)
          if (.not. scene%bodies(i)%turned) cycle
          do j = 1, 3
             call row(file, name // "  axis " // text_of(j), text_of(scene%bodies(i)%axes(:, &
@@ -204,6 +203,15 @@ contains
          end do
       end do
    end subroutine put_bodies
+
+   !> Moments of a class, and what kind of body that is.
+   function class_words(scene, class) result(text)
+      type(scene_settings), intent(in) :: scene
+      integer, intent(in) :: class
+      character(:), allocatable :: text
+      text = text_of(scene%bodies(class)%moments) // "  (" // &
+         describe_body(scene%bodies(class)%moments) // ")"
+   end function class_words
 
    subroutine put_drift(file, scene, report, error)
       type(out_file), intent(in) :: file

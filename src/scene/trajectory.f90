@@ -13,21 +13,28 @@ module poinsot_scene_trajectory
 
    character(*), parameter :: csv_header = &
       "t,body,q0,q1,q2,q3,y1,y2,y3,kinetic,potential,energy" !! the columns of trajectory.csv
-   integer, parameter :: longest_row = 17*(longest_number + 1) !! characters
+   integer, parameter :: longest_row = 27*(longest_number + 1) !! characters
 
 contains
 
    !> Begin trajectory.csv: the header.
-   subroutine open_csv(path, file, error)
+   subroutine open_csv(path, more, file, error)
       character(*), intent(in) :: path    !! of the file
+      character(*), intent(in) :: more(:) !! names of further columns
       type(out_file), intent(out) :: file !! open from here on
       type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: header
+      integer :: i
+      header = csv_header
+      do i = 1, size(more)
+         header = header // "," // trim(more(i))
+      end do
       call open_out(path, file, error)
-      if (.not. raised(error)) call put(file, csv_header, error)
+      if (.not. raised(error)) call put(file, header, error)
    end subroutine open_csv
 
    !> Rows of a frame, one for each body.
-   subroutine write_csv(file, t, bodies, y, q, kinetic, potential, error)
+   subroutine write_csv(file, t, bodies, y, q, kinetic, potential, more, error)
       type(out_file), intent(in) :: file      !! open
       real(dp), intent(in) :: t               !! time
       integer(i8), intent(in) :: bodies(:)    !! (n): numbers of the bodies, from 1
@@ -35,6 +42,7 @@ contains
       real(dp), intent(in) :: q(:, :)         !! (4, n): attitudes
       real(dp), intent(in) :: kinetic(:)      !! (n)
       real(dp), intent(in) :: potential(:)    !! (n)
+      real(dp), intent(in) :: more(:, :)      !! (further columns, n)
       type(poinsot_error), intent(inout) :: error
       character(:), allocatable :: time
       character(longest_row) :: row
@@ -42,6 +50,7 @@ contains
       time = text_of(t)
       do i = 1, size(bodies)
          call csv_row(time, bodies(i), y(:, i), q(:, i), kinetic(i), potential(i), row, n)
+         call append_all(",", more(:, i), row, n)
          call put(file, row(:n), error)
          if (raised(error)) return
       end do
@@ -94,7 +103,8 @@ contains
       call put(file, text_of(n), error)
       call put(file, &
          "Properties=id:I:1:species:S:1:pos:R:3:orientation:R:4:aspherical_shape:R:3" // &
-               ":angular_momentum:R:3:energy:R:1 Time=" // text_of(t) // " pbc=""F F F""", error)
+               ":angular_momentum:R:3:body_energy:R:1 Time=" // text_of(t) // " pbc=""F F F""", &
+                  error)
    end subroutine begin_xyz
 
    !> Rows of a frame, one for each body.
@@ -112,7 +122,7 @@ contains
       do i = 1, size(bodies)
          n = 0
          call append_integer(bodies(i), row, n)
-         row(n + 1:n + 2) = " B"
+         row(n + 1:n + 2) = " X" ! no chemical element
          n = n + 2
          call append_all(" ", position(:, i), row, n)
          call append_all(" ", [q(2:4, i), q(1, i)], row, n)

@@ -68,8 +68,8 @@ contains
          call effects(acting(i))%it%add_terms(class, terms, served)
          if (served) cycle
          call raise(error, poinsot_e_method, "splitting 'taylor' needs torques as data, and " // &
-            "effect '" // trim(effects(acting(i))%it%name) // "' (pairs, noise, a program's " // &
-            "own torque) is none; 'srkn6' takes it")
+            "effect '" // trim(effects(acting(i))%it%name) // "' (pairs, noise, a formula, an " // &
+            "eccentric orbit, a program's own torque) is none; 'srkn6' takes it")
          return
       end do
    end subroutine collect_terms

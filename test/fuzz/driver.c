@@ -57,7 +57,7 @@ size_t fuzz_below(size_t n) { return n ? (size_t)((fuzz_random() >> 11) % n) : 0
 static const char *const words[] = {
     "&", "/", "=", ",", "'", "\"", "!", "(", ")", "*", "\n", "\r", "\r\n", "\t", " ", "3*", "3*0.0", "100000000*", ",,,", "&end",
     "&scene", "&bodies", "&output", "&gravity", "&field", "&gravity_gradient", "&spring", "&torque", "&drag", "&langevin",
-    "&gyrostat", "&dipoles", "moments", "tensor", "shape", "y", "omega", "q", "count", "random", "temperature", "h", "t_end",
+    "&gyrostat", "&dipoles", "&potential", "u", "constants", "'k*(1 - Q33)^2'", "'k=2'", "moments", "tensor", "shape", "y", "omega", "q", "count", "random", "temperature", "h", "t_end",
     "method", "splitting", "tol", "seed", "threads", "every", "times", "bodies", "format", "restart", "pictures", "class",
     "centre", "weight", "up", "'exact'", "'dmv10'", "'auto'", "'jacobi'", "'strang'", "'omelyan8'", "'uniform'", "'thermal'",
     "(1)", "(2)", "(100000000)", "(0)", "(-1)", ".true.", "\xef\xbb\xbf", "\xc3\xa9", "\x00", "\x7f", "\xff", "''", "''''"};
