@@ -11,6 +11,7 @@
 #   coverage   lines of src/ that the suites, the C programs and the app's commands reach, by gcov
 #   flang      library and suites by LLVM's Fortran compiler, and its end states against gfortran's
 #   fuzz       the fuzzers, INPUTS inputs each
+#   rows       a method, a splitting and an effect more, in the middle of their tables, through every command (test/rows.sh)
 # Elsewhere: -fcheck=all and -ffpe-trap=invalid,zero,overflow are the checking profile (tools/flags.sh), in which tools/test.sh
 # runs every suite; test/installed.sh has the C programs under the sanitizers, memory that ends and processors that are older.
 #
@@ -254,10 +255,16 @@ part_fuzz() {
       $result $out/fuzz.log
 }
 
-for part in ${*:-sanitize valgrind threads flags coverage flang fuzz}; do
+part_rows() {
+   test/rows.sh >$out/rows.log 2>&1
+   result=$?
+   told "rows: $(tail -n 1 $out/rows.log)" $result $out/rows.log
+}
+
+for part in ${*:-sanitize valgrind threads flags coverage flang fuzz rows}; do
    case $part in
-   sanitize | valgrind | threads | flags | coverage | flang | fuzz) ;;
-   *) echo "usage: tools/deep.sh [sanitize valgrind threads flags coverage flang fuzz]" >&2; exit 2 ;;
+   sanitize | valgrind | threads | flags | coverage | flang | fuzz | rows) ;;
+   *) echo "usage: tools/deep.sh [sanitize valgrind threads flags coverage flang fuzz rows]" >&2; exit 2 ;;
    esac
    begun=$(date +%s)
    echo "deep: $part"
