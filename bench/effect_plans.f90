@@ -48,7 +48,8 @@ contains
          if (info%keys(k)%default /= "required") cycle
          if (info%keys(k)%is_text) settings = [settings, text_setting(trim(info%keys(k)%name), &
             "0.3*Q31 + 0.2*Q32 + 0.1*Q33")]
-         if (.not. info%keys(k)%is_text) settings = [settings, number_setting(trim(info%keys(k)%name), &
+         if (.not. info%keys(k)%is_text) settings = [settings, &
+            number_setting(trim(info%keys(k)%name), &
             some(1:min(3, max(1, info%keys(k)%least))))]
       end do
       if (size(info%keys) == 0) then

@@ -3,7 +3,7 @@
 module test_effect_potential
    use testdrive, only: new_unittest, unittest_type, error_type
    use test_expectation, only: expect, within
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_quiet, only: is_number
    use poinsot_effect_effect, only: effect, torque_effect
@@ -70,7 +70,7 @@ contains
       real(dp) :: q(lanes, 4)
       integer :: l
       do l = 1, lanes
-         q(l, :) = random_quaternion(3_8, int(l, 8))
+         q(l, :) = random_quaternion(3_i8, int(l, i8))
       end do
    end function attitudes
 

@@ -82,7 +82,7 @@ contains
             v = rows(1:3, i) - b%rotor
             where (b%moments > 0)
                v = 0.5_dp*(v/b%moments)*v
-            elsewhere
+            else where
                v = 0
             end where
             this%axes = this%axes + count(b%moments > 0)
