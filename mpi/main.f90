@@ -1,4 +1,4 @@
-!> The poinsot program on several MPI processes: `mpirun -n 4 poinsot run SCENE`. The first one speaks.
+!> The poinsot program on several MPI processes: `mpirun -n 4 poinsot run SCENE`. The first speaks.
 program poinsot_processes
    use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
    use app_commands, only: run_command

@@ -168,7 +168,7 @@ contains
             torque(:, i) = torque(:, i) + cross(vector(one, "dipole"), v)
          case ("gravity_gradient")
             v = to_body(x(4:, i), radial_at(one, t))
-            torque(:, i) = torque(:, i) + 3*number(one, "rate", 0.0_wp)**2* &
+            torque(:, i) = torque(:, i) + 3*number(one, "rate", 0.0_wp)**2/distance_at(one, t)**3* &
                cross(v, matmul(sys%moment(:, :, class_of(i)), v))
          case ("spring")
             v = to_body(x(4:, i), unit(one, "direction", [0, 0, 1]))
@@ -211,7 +211,7 @@ contains
                      "dipole"))
                case ("gravity_gradient")
                   v = to_body(x(:, i), radial_at(one, t))
-                  u(i) = u(i) + 1.5_wp*number(one, "rate", 0.0_wp)**2* &
+                  u(i) = u(i) + 1.5_wp*number(one, "rate", 0.0_wp)**2/distance_at(one, t)**3* &
                      dot_product(v, matmul(sys%moment(:, :, class_of(i)), v))
                case ("spring")
                   v = to_body(x(:, i), unit(one, "direction", [0, 0, 1]))
@@ -355,8 +355,40 @@ contains
       real(wp) :: e(3)
       e = unit(one, "radial", [1, 0, 0])
       if (word(one, "orbit", "circular") == "circular") e = turned(e, unit(one, "normal", [0, 0, &
-         1]), number(one, "rate", 0.0_wp)*t)
+         1]), 2*atan(sqrt((1 + eccentricity(one))/(1 - eccentricity(one)))* &
+         tan(eccentric_anomaly(one, t)/2)))
    end function radial_at
+
+   !> From the centre, over the mean distance.
+   real(wp) function distance_at(one, t)
+      type(acting), intent(in) :: one
+      real(wp), intent(in) :: t
+      distance_at = 1 - eccentricity(one)*cos(eccentric_anomaly(one, t))
+   end function distance_at
+
+   real(wp) function eccentricity(one)
+      type(acting), intent(in) :: one
+      eccentricity = number(one, "eccentricity", 0.0_wp)
+   end function eccentricity
+
+   !> Kepler's equation, by halving.
+   real(wp) function eccentric_anomaly(one, t) result(middle)
+      type(acting), intent(in) :: one
+      real(wp), intent(in) :: t
+      real(wp) :: mean, below, above
+      integer :: i
+      mean = number(one, "rate", 0.0_wp)*t + number(one, "anomaly", 0.0_wp)
+      below = mean - 1
+      above = mean + 1
+      do i = 1, 70
+         middle = (below + above)/2
+         if (middle - eccentricity(one)*sin(middle) < mean) then
+            below = middle
+         else
+            above = middle
+         end if
+      end do
+   end function eccentric_anomaly
 
    !> Constant, harmonic, or linear between times.
    function torque_at(one, t) result(v)

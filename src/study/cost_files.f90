@@ -25,8 +25,8 @@ module poinsot_study_cost_files
       "angle_median,angle_worst,angle_own,momentum_median,momentum_worst,momentum_own," // &
       "energy_median,energy_worst,energy_own,drift_median,drift_worst,drift_own," // &
       "ns_per_step,ns_least,ns_spread,single_ns_per_step,single_spread,repeats," // &
-      "ns_per_time,single_ns_per_time,good,front_angle,front_momentum,shown_angle,shown_momentum," // &
-      "tolerance"
+      "ns_per_time,single_ns_per_time,good,front_angle,front_momentum,shown_angle," // &
+      "shown_momentum,tolerance"
 
 contains
 

@@ -110,8 +110,8 @@ contains
          trim(adjustl(setting(equals + 1:))) // " /")
    end subroutine set_as_told
 
-   !> Set keys of the first group of a name, or of another. A value that is there is replaced where it
-   !> stands; a key that is not there is added behind the group's name.
+   !> Set keys of the first group of a name, or of another. A value that is there is replaced where
+   !> it stands; a key that is not there is added behind the group's name.
    subroutine set_keys(lines, group, keys, values, found, nth)
       type(text_line), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: group          !! lower case
