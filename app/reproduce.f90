@@ -27,6 +27,20 @@ module app_reproduce
 
 contains
 
+   !> The files of a figure.
+   subroutine claim_figure(out, figure, error)
+      character(*), intent(in) :: out, figure
+      type(poinsot_error), intent(inout) :: error
+      character(64), allocatable :: pictures(:)
+      character(64) :: data(3), one(1)
+      data(1) = figure // ".csv"
+      data(2) = figure // ".txt"
+      data(3) = figure // ".gp"
+      one = figure
+      pictures = picture_claims(one)
+      call claim_files(out, [data, pictures], error)
+   end subroutine claim_figure
+
    !> The command.
    subroutine command_reproduce(words, code)
       type(word_list), intent(in) :: words !! what follows the command
@@ -53,9 +67,7 @@ contains
       if (len(out) == 0) out = "poinsot-out/" // options%scene
       watch%shown = error_is_terminal() .and. .not. options%quiet
       call catch_interrupts()
-      call claim_files(out, [character(64) :: trim(options%scene) // ".csv", &
-         trim(options%scene) // ".txt", trim(options%scene) // ".gp", &
-         picture_claims([options%scene])], error)
+      call claim_figure(out, options%scene, error)
       if (.not. raised(error)) then
          select case (options%scene)
          case ("review")

@@ -59,11 +59,17 @@ contains
       character(*), intent(in) :: pictures(:)
       character(longest), allocatable :: names(:)
       integer :: i
-      names = [character(longest) :: "common.gp", "ends.gp", "study.gp", "cost_curves.gp"]
+      ! element by element: gfortran 12 writes beyond constructors of texts of several lengths
+      allocate (names(4*(size(pictures) + 1)))
+      names(1) = "common.gp"
+      names(2) = "ends.gp"
+      names(3) = "study.gp"
+      names(4) = "cost_curves.gp"
       do i = 1, size(pictures)
-         names = [character(longest) :: names, "plot_" // trim(pictures(i)) // ".gp", &
-            "plot_" // trim(pictures(i)) // ".log", trim(pictures(i)) // ".svg", &
-            trim(pictures(i)) // ".png"]
+         names(4*i + 1) = "plot_" // trim(pictures(i)) // ".gp"
+         names(4*i + 2) = "plot_" // trim(pictures(i)) // ".log"
+         names(4*i + 3) = trim(pictures(i)) // ".svg"
+         names(4*i + 4) = trim(pictures(i)) // ".png"
       end do
    end function picture_claims
 

@@ -63,9 +63,11 @@ contains
 
    !> Every file that a cost study may write into its folder.
    pure function cost_files() result(names)
-      character(64), allocatable :: names(:)
-      names = [character(64) :: "cost.csv", "drift.csv", "members.csv", "cost.txt", "cost.gp", &
-         "rivals.csv", picture_claims(all_pictures)]
+      character(64), allocatable :: names(:), pictures(:)
+      character(64), parameter :: data(6) = [character(64) :: "cost.csv", "drift.csv", &
+         "members.csv", "cost.txt", "cost.gp", "rivals.csv"]
+      pictures = picture_claims(all_pictures)
+      names = [data, pictures]
    end function cost_files
 
    !> A number and an array of names.

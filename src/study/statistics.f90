@@ -1,6 +1,8 @@
 !> Median, quantiles and slopes of a few numbers.
 module poinsot_study_statistics
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
+   use poinsot_core_maxima, only: largest_of
    implicit none(type, external)
    private
    public :: quantile, median, line_slope
@@ -15,6 +17,10 @@ contains
       integer :: i, j
       quantile = 0
       if (size(x) == 0) return
+      if (.not. all(ieee_is_finite(x))) then
+         quantile = largest_of(x)
+         return
+      end if
       s = x
       do i = 2, size(s)
          keep = s(i)
