@@ -18,7 +18,8 @@
  *             the caller's, are used during the call only, and must not overlap.
  *   Threads   All functions may be called from several threads at once. One handle may be shared by threads once it is not
  *             changed any more: a body always, a plan after poinsot_plan_ready. The arrays of simultaneous calls must differ.
- *             Inside a parallel region of the caller a call runs serial.
+ *             Inside a parallel region of the caller a call runs serial. Where the system refuses to make a thread (ulimit -u),
+ *             the OpenMP runtime itself ends the process: ask for one thread there.
  *   Bits      A body's result depends on the body, its class and the step: not on its neighbours, its place, the number of
  *             bodies or of threads. With the native layout and no tensor class, ten steps in one call are ten calls of one step.
  *   Fork      A child made by fork may call everything, with threads too: on Linux the forking thread's OpenMP workers are sent
