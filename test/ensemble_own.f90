@@ -251,8 +251,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: e
       do e = 1, size(effects)
-         call compare_scale(error, trim(effects(e)), "strang", "exact", "body-momentum", &
-                            merge(6e-15_dp, 4e-15_dp, index(effects(e), "full:") == 1))
+         call compare_scale(error, trim(effects(e)), "strang", "exact", "body-momentum", 4e-15_dp)
          call compare_scale(error, trim(effects(e)), "srkn6", "exact", "body-momentum", 1e-14_dp)
          if (has_gradient(trim(effects(e)))) then
             call compare_scale(error, trim(effects(e)), "takahashi-imada", "exact", &

@@ -62,7 +62,7 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
       real(dp), intent(in), optional :: scale(lanes)
-      real(dp) :: decay(3, 3), noise(3, 3), x(3)
+      real(dp) :: loss(3, 3), noise(3, 3), x(3)
       integer :: j
       associate (unused_1 => seed, unused_2 => id, unused_3 => step, unused_4 => half, &
          unused_5 => q)
@@ -78,8 +78,8 @@ contains
          return
       end if
       if (allocated(self%law%full)) then
-         call full_flow(class, self%law, h, 0.0_dp, decay, noise)
-         call apply_flow(decay, y)
+         call full_flow(class, self%law, h, 0.0_dp, loss, noise)
+         call apply_flow(-loss, (y), y)
          return
       end if
       x = self%law%decay(class, h)

@@ -135,13 +135,14 @@ contains
       end if
    end subroutine get_friction
 
-   !> y(h) = decay y + noise xi of a full matrix. A zero moment has no part in it.
-   pure subroutine full_flow(class, law, h, temperature, decay, noise, scale)
+   !> y(h) = y - loss y + noise xi of a full matrix. A zero moment has no part in it. What is lost
+   !> in a step is small: so its rounding is that of the change, not that of y.
+   pure subroutine full_flow(class, law, h, temperature, loss, noise, scale)
       type(body_class), intent(in) :: class
       type(friction_law), intent(in) :: law     !! with a full matrix
       real(dp), intent(in) :: h                 !! positive
       real(dp), intent(in) :: temperature       !! kT
-      real(dp), intent(out) :: decay(3, 3), noise(3, 3)
+      real(dp), intent(out) :: loss(3, 3), noise(3, 3)
       real(dp), intent(in), optional :: scale   !! moments over those of the class
       real(dp) :: root(3), inverse(3), s(3, 3), v(3, 3), rate
       integer :: i, j, k
@@ -149,14 +150,14 @@ contains
       inverse = sqrt(class%inverse)
       s = law%symmetric(class)
       call diagonalise(s, v)
-      decay = 0
+      loss = 0
       do k = 1, 3
          rate = max(s(k, k), 0.0_dp)*h
          if (present(scale) .and. .not. law%by_rate) rate = decay_rate(rate, scale)
          noise(:, k) = sqrt(temperature)*root*v(:, k)*sqrt(lost(rate))
          do j = 1, 3
             do i = 1, 3
-               decay(i, j) = decay(i, j) + (root(i)*v(i, k))*exp(-rate)*(v(j, k)*inverse(j))
+               loss(i, j) = loss(i, j) + (root(i)*v(i, k))*lost(0.5_dp*rate)*(v(j, k)*inverse(j))
             end do
          end do
       end do
@@ -179,24 +180,23 @@ contains
       real(dp), intent(in) :: scale(lanes)      !! moments over those of the class
       real(dp), intent(inout) :: y(lanes, 3)
       real(dp), intent(in), optional :: xi(lanes, 3) !! Gaussian numbers, if there is noise
-      real(dp) :: decay(3, 3), noise(3, 3)
+      real(dp) :: loss(3, 3), noise(3, 3)
       integer :: l
       do l = 1, lanes
-         call full_flow(class, law, h, temperature, decay, noise, scale(l))
-         y(l, :) = matmul(decay, y(l, :))
+         call full_flow(class, law, h, temperature, loss, noise, scale(l))
+         y(l, :) = y(l, :) - matmul(loss, y(l, :))
          if (present(xi)) y(l, :) = y(l, :) + sqrt(scale(l))*matmul(noise, xi(l, :))
       end do
    end subroutine apply_full_each
 
-   !> y = m y, lane by lane.
-   pure subroutine apply_flow(m, y)
+   !> y = y + m x, lane by lane.
+   pure subroutine apply_flow(m, x, y)
       real(dp), intent(in) :: m(3, 3)
+      real(dp), intent(in) :: x(lanes, 3)
       real(dp), intent(inout) :: y(lanes, 3)
-      real(dp) :: x(lanes, 3)
       integer :: i
-      x = y
       do i = 1, 3
-         y(:, i) = m(i, 1)*x(:, 1) + m(i, 2)*x(:, 2) + m(i, 3)*x(:, 3)
+         y(:, i) = y(:, i) + (m(i, 1)*x(:, 1) + m(i, 2)*x(:, 2) + m(i, 3)*x(:, 3))
       end do
    end subroutine apply_flow
 

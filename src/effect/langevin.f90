@@ -74,7 +74,7 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
       real(dp), intent(in), optional :: scale(lanes)
-      real(dp) :: xi(lanes, 3), x(3), width, decay(3, 3), noise(3, 3), rate(lanes)
+      real(dp) :: xi(lanes, 3), x(3), width, loss(3, 3), noise(3, 3), rate(lanes)
       integer :: j
       associate (unused => q)
       end associate
@@ -92,10 +92,9 @@ contains
          return
       end if
       if (allocated(self%law%full)) then
-         call full_flow(class, self%law, h, self%temperature, decay, noise)
-         call apply_flow(decay, y)
-         call apply_flow(noise, xi)
-         y = y + xi
+         call full_flow(class, self%law, h, self%temperature, loss, noise)
+         call apply_flow(-loss, (y), y)
+         call apply_flow(noise, xi, y)
          return
       end if
       x = self%law%decay(class, h)
