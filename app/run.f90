@@ -1,10 +1,9 @@
 !> poinsot run
 module app_run
    use poinsot_core_kinds, only: dp, i8
-   use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_nearest, only: suggestion
-   use poinsot_core_status, only: poinsot_e_io
-   use poinsot_scene_text, only: text_of, quoted, joined
+   use poinsot_scene_text, only: text_of, joined
    use poinsot_scene_source, only: scene_source
    use poinsot_scene_reader, only: read_source
    use poinsot_scene_override, only: override

@@ -3,7 +3,6 @@
 module test_crowd
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_compose, only: make_ready
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, add_effect, &
       set_option

@@ -6,7 +6,6 @@
 !> of that by a turn of the body.
 module test_matrix_oracle
    use poinsot_core_kinds, only: dp
-   use poinsot_effect_settings, only: setting
    use test_matrix_problem, only: problem, acting, n, classes, steps, h, tensor_of, total_rotor
    implicit none(type, external)
    private

@@ -9,8 +9,8 @@ module test_body_series
    use poinsot_body_class, only: body_class, make_class, series_levels, longest_step
    use poinsot_body_constants, only: lane_constants, make_constants
    use poinsot_body_economization, only: first_kept, last_kept, economization_bound
-   use poinsot_body_series, only: max_degree, first_tabulated, correction_series
-   use poinsot_body_series_start, only: start_degree, axis_series
+   use poinsot_body_series, only: max_degree, correction_series
+   use poinsot_body_series_start, only: start_degree
    use poinsot_body_sine_series, only: short_sine, short_product, long_sine, half_cosine, &
       half_factor, short_range, short_step, long_range, short_sine_error, short_product_error, &
       long_sine_error

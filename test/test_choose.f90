@@ -2,7 +2,7 @@
 !> and it costs little more than the best there is (the long suite, which times).
 module test_choose
    use, intrinsic :: iso_fortran_env, only: output_unit
-   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_status, only: poinsot_e_method

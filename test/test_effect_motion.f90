@@ -1,7 +1,7 @@
 !> What theory says of the motion under each effect: conserved quantities, frequencies, exact
 !> solutions (the analytic checks the registry names).
 module test_effect_motion
-   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_effect_effect, only: effect_item, pair_effect
@@ -11,7 +11,7 @@ module test_effect_motion
    use poinsot_splitting_stepper, only: flows, run_steps
    use poinsot_splitting_block_flows, only: block_flows
    use test_expectation, only: expect
-   use test_oracle_algebra, only: quaternion_product, rotate, rotate_back
+   use test_oracle_algebra, only: rotate, rotate_back
    use test_turning, only: bench, set_up, place, run, generic_moments_of, generic_y, generic_q
    implicit none(type, external)
    private

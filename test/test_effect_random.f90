@@ -1,7 +1,7 @@
 !> Random numbers of the thermostat, and what it must leave behind: kT/2 on each axis that can turn,
 !> for every kind of body, and Boltzmann's distribution of attitudes.
 module test_effect_random
-   use testdrive, only: new_unittest, unittest_type, error_type, test_failed
+   use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, i4, i8, lanes
    use poinsot_core_error, only: poinsot_error
    use poinsot_effect_effect, only: effect_item, flow_effect

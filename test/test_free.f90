@@ -11,7 +11,7 @@ module test_free
    use test_free_lanes, only: collect_free_lanes
    use test_free_state, only: collect_free_state
    use test_free_tools, only: method_names, method_orders, approximate_count, generic, start, &
-      start_q, turn_body, text, library_map, worst_of_kind, worst_of_hard, worst_of_map
+      turn_body, text, library_map, worst_of_kind, worst_of_hard, worst_of_map
    use test_measure, only: measure_slope, attitude_distance, momentum_distance, units
    use test_oracle_data, only: free_case, read_free_rotation, published, published_1, &
       published_2a, published_2b, published_4_y

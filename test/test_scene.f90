@@ -1,6 +1,6 @@
 !> Room scene: reader, key tables, checks of values, schedule, files, restart, and whole runs.
 module test_scene
-   use testdrive, only: new_unittest, unittest_type, error_type, test_failed, skip_test
+   use testdrive, only: new_unittest, unittest_type, error_type, skip_test
    use test_expectation, only: expect
    use test_scene_endings, only: collect_scene_endings
    use test_scene_files, only: collect_scene_files
@@ -12,7 +12,7 @@ module test_scene
    use poinsot_rotation_quaternion, only: attitude_distance
    use poinsot_scene_text, only: text_of
    use poinsot_scene_source, only: scene_source, find_group, value_null, value_number, &
-      value_text, value_logical
+      value_logical
    use poinsot_scene_reader, only: read_source, scan_source
    use poinsot_scene_override, only: override
    use poinsot_scene_build, only: build_scene

@@ -1,7 +1,7 @@
 !> Room scene: the files of a run and those of the user; locks; what a summary says.
 module test_scene_files
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_is_nan
-   use testdrive, only: new_unittest, unittest_type, error_type, check, skip_test
+   use testdrive, only: new_unittest, unittest_type, error_type, skip_test
    use test_expectation, only: expect, within, refused, accepted
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised

@@ -4,7 +4,7 @@ module test_study
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_value, ieee_quiet_nan, &
       ieee_positive_inf
    use testdrive, only: new_unittest, unittest_type, error_type, test_failed
-   use poinsot_core_kinds, only: dp, i8, qp
+   use poinsot_core_kinds, only: dp, qp
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_build, only: build_scene

@@ -8,7 +8,7 @@ module test_turning
    use poinsot_free_method, only: free_method, find_method
    use poinsot_effect_effect, only: effect_item, torque_effect
    use poinsot_effect_drag, only: drag
-   use poinsot_effect_settings, only: setting, number_setting
+   use poinsot_effect_settings, only: number_setting
    use poinsot_effect_registry, only: make_effect
    use poinsot_splitting_tableaux, only: splitting, free_scheme
    use poinsot_splitting_registry, only: find_splitting

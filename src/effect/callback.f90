@@ -10,7 +10,6 @@ module poinsot_effect_callback
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: torque_effect
    use poinsot_effect_row, only: effect_label, effect_row
-   use poinsot_effect_settings, only: effect_key
    use poinsot_rotation_quaternion, only: quaternion_product, quaternion_conjugate, &
       rotate_back
    implicit none(type, external)

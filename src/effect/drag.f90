@@ -6,8 +6,7 @@ module poinsot_effect_drag
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, flow_effect
    use poinsot_effect_terms, only: torque_terms
-   use poinsot_effect_friction, only: friction_law, friction_keys, get_friction, full_flow, &
-      apply_flow, apply_full_each
+   use poinsot_effect_friction, only: friction_law, friction_keys, get_friction, apply_full
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info
    implicit none(type, external)
@@ -62,24 +61,19 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
       real(dp), intent(in), optional :: scale(lanes)
-      real(dp) :: loss(3, 3), noise(3, 3), x(3)
+      real(dp) :: x(3)
       integer :: j
       associate (unused_1 => seed, unused_2 => id, unused_3 => step, unused_4 => half, &
          unused_5 => q)
       end associate
-      if (present(scale)) then
-         if (allocated(self%law%full)) then
-            call apply_full_each(class, self%law, h, 0.0_dp, scale, y)
-         else
-            do j = 1, 3
-               y(:, j) = exp(-self%law%decay_each(class, h, j, scale))*y(:, j)
-            end do
-         end if
+      if (allocated(self%law%full)) then
+         call apply_full(class, self%law, h, 0.0_dp, y, scale=scale)
          return
       end if
-      if (allocated(self%law%full)) then
-         call full_flow(class, self%law, h, 0.0_dp, loss, noise)
-         call apply_flow(-loss, (y), y)
+      if (present(scale)) then
+         do j = 1, 3
+            y(:, j) = exp(-self%law%decay_each(class, h, j, scale))*y(:, j)
+         end do
          return
       end if
       x = self%law%decay(class, h)

@@ -13,8 +13,7 @@ module poinsot_effect_friction
       number_key, per_axis
    implicit none(type, external)
    private
-   public :: friction_law, friction_keys, get_friction, full_flow, apply_flow, apply_full_each, &
-      decay_rate, lost
+   public :: friction_law, friction_keys, get_friction, apply_full, lost
 
    real(dp), parameter :: longest_decay = 1e4_dp !! what is left after it is less than any number
 
@@ -135,33 +134,87 @@ contains
       end if
    end subroutine get_friction
 
-   !> y(h) = y - loss y + noise xi of a full matrix. A zero moment has no part in it. What is lost
-   !> in a step is small: so its rounding is that of the change, not that of y.
-   pure subroutine full_flow(class, law, h, temperature, loss, noise, scale)
+   !> What the flow of a full matrix is made of: y = sum of left(:, k) a_k, a_k = right(:, k).y, and
+   !> each a_k decays at a rate of its own. A zero moment has no part in it.
+   pure subroutine find_modes(class, law, rates, left, right)
+      type(body_class), intent(in) :: class
+      type(friction_law), intent(in) :: law     !! with a full matrix
+      real(dp), intent(out) :: rates(3), left(3, 3), right(3, 3)
+      real(dp) :: s(3, 3), v(3, 3)
+      integer :: k
+      s = law%symmetric(class)
+      call diagonalise(s, v)
+      do k = 1, 3
+         rates(k) = max(s(k, k), 0.0_dp)
+         left(:, k) = sqrt(class%moments)*v(:, k)
+         right(:, k) = sqrt(class%inverse)*v(:, k)
+      end do
+   end subroutine find_modes
+
+   !> y(h) = y - loss y + noise xi of a full matrix. What is lost in a step is small: so its
+   !> rounding is that of the change, not that of y.
+   pure subroutine full_flow(rates, left, right, temperature, loss, noise)
+      real(dp), intent(in) :: rates(3)          !! times the step
+      real(dp), intent(in) :: left(3, 3), right(3, 3)
+      real(dp), intent(in) :: temperature       !! kT
+      real(dp), intent(out) :: loss(3, 3), noise(3, 3)
+      real(dp) :: taken(3)
+      integer :: j, k
+      do k = 1, 3
+         noise(:, k) = sqrt(temperature)*left(:, k)*sqrt(lost(rates(k)))
+         taken(k) = lost(0.5_dp*rates(k))
+      end do
+      do j = 1, 3
+         loss(:, j) = left(:, 1)*(taken(1)*right(j, 1)) + left(:, 2)*(taken(2)*right(j, 2)) &
+            + left(:, 3)*(taken(3)*right(j, 3))
+      end do
+   end subroutine full_flow
+
+   !> The flow of a full matrix for the bodies of a block, of one size or of different ones.
+   pure subroutine apply_full(class, law, h, temperature, y, xi, scale)
       type(body_class), intent(in) :: class
       type(friction_law), intent(in) :: law     !! with a full matrix
       real(dp), intent(in) :: h                 !! positive
       real(dp), intent(in) :: temperature       !! kT
-      real(dp), intent(out) :: loss(3, 3), noise(3, 3)
-      real(dp), intent(in), optional :: scale   !! moments over those of the class
-      real(dp) :: root(3), inverse(3), s(3, 3), v(3, 3), rate
-      integer :: i, j, k
-      root = sqrt(class%moments)
-      inverse = sqrt(class%inverse)
-      s = law%symmetric(class)
-      call diagonalise(s, v)
-      loss = 0
-      do k = 1, 3
-         rate = max(s(k, k), 0.0_dp)*h
-         if (present(scale) .and. .not. law%by_rate) rate = decay_rate(rate, scale)
-         noise(:, k) = sqrt(temperature)*root*v(:, k)*sqrt(lost(rate))
-         do j = 1, 3
-            do i = 1, 3
-               loss(i, j) = loss(i, j) + (root(i)*v(i, k))*lost(0.5_dp*rate)*(v(j, k)*inverse(j))
-            end do
-         end do
+      real(dp), intent(inout) :: y(lanes, 3)
+      real(dp), intent(in), optional :: xi(lanes, 3)   !! Gaussian numbers, if there is noise
+      real(dp), intent(in), optional :: scale(lanes)   !! moments over those of the class
+      real(dp) :: rates(3), left(3, 3), right(3, 3), loss(3, 3), noise(3, 3), before(lanes, 3)
+      integer :: i
+      call find_modes(class, law, rates, left, right)
+      if (present(scale)) then
+         call apply_full_each(law, h*rates, left, right, temperature, scale, y, xi)
+         return
+      end if
+      call full_flow(h*rates, left, right, temperature, loss, noise)
+      before = y
+      do i = 1, 3
+         y(:, i) = y(:, i) - (loss(i, 1)*before(:, 1) + loss(i, 2)*before(:, 2) &
+                              + loss(i, 3)*before(:, 3))
+         if (present(xi)) y(:, i) = y(:, i) + (noise(i, 1)*xi(:, 1) + noise(i, 2)*xi(:, 2) &
+                                               + noise(i, 3)*xi(:, 3))
       end do
-   end subroutine full_flow
+   end subroutine apply_full
+
+   !> The same for bodies of one shape and different sizes.
+   pure subroutine apply_full_each(law, rates, left, right, temperature, scale, y, xi)
+      type(friction_law), intent(in) :: law
+      real(dp), intent(in) :: rates(3)          !! of the class, times the step
+      real(dp), intent(in) :: left(3, 3), right(3, 3)
+      real(dp), intent(in) :: temperature       !! kT
+      real(dp), intent(in) :: scale(lanes)
+      real(dp), intent(inout) :: y(lanes, 3)
+      real(dp), intent(in), optional :: xi(lanes, 3)
+      real(dp) :: own(3), loss(3, 3), noise(3, 3)
+      integer :: l
+      do l = 1, lanes
+         own = rates
+         if (.not. law%by_rate) own = decay_rate(rates, scale(l))
+         call full_flow(own, left, right, temperature, loss, noise)
+         y(l, :) = y(l, :) - matmul(loss, y(l, :))
+         if (present(xi)) y(l, :) = y(l, :) + sqrt(scale(l))*matmul(noise, xi(l, :))
+      end do
+   end subroutine apply_full_each
 
    !> A rate times a time, of a body that is `scale` times as heavy: no more than can be told from
    !> infinite.
@@ -170,35 +223,6 @@ contains
       decay_rate = longest_decay
       if (exponent(rate) - exponent(scale) < exponent(longest_decay)) decay_rate = rate/scale
    end function decay_rate
-
-   !> The flow of a full matrix for bodies of one shape and different sizes.
-   pure subroutine apply_full_each(class, law, h, temperature, scale, y, xi)
-      type(body_class), intent(in) :: class
-      type(friction_law), intent(in) :: law     !! with a full matrix
-      real(dp), intent(in) :: h                 !! positive
-      real(dp), intent(in) :: temperature       !! kT
-      real(dp), intent(in) :: scale(lanes)      !! moments over those of the class
-      real(dp), intent(inout) :: y(lanes, 3)
-      real(dp), intent(in), optional :: xi(lanes, 3) !! Gaussian numbers, if there is noise
-      real(dp) :: loss(3, 3), noise(3, 3)
-      integer :: l
-      do l = 1, lanes
-         call full_flow(class, law, h, temperature, loss, noise, scale(l))
-         y(l, :) = y(l, :) - matmul(loss, y(l, :))
-         if (present(xi)) y(l, :) = y(l, :) + sqrt(scale(l))*matmul(noise, xi(l, :))
-      end do
-   end subroutine apply_full_each
-
-   !> y = y + m x, lane by lane.
-   pure subroutine apply_flow(m, x, y)
-      real(dp), intent(in) :: m(3, 3)
-      real(dp), intent(in) :: x(lanes, 3)
-      real(dp), intent(inout) :: y(lanes, 3)
-      integer :: i
-      do i = 1, 3
-         y(:, i) = y(:, i) + (m(i, 1)*x(:, 1) + m(i, 2)*x(:, 2) + m(i, 3)*x(:, 3))
-      end do
-   end subroutine apply_flow
 
    !> 1 - exp(-2 x), 0 for x <= 0; without cancellation for small x.
    elemental real(dp) function lost(x)

@@ -6,8 +6,7 @@ module poinsot_effect_langevin
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, flow_effect
-   use poinsot_effect_friction, only: friction_law, friction_keys, get_friction, full_flow, &
-      apply_flow, apply_full_each, lost
+   use poinsot_effect_friction, only: friction_law, friction_keys, get_friction, apply_full, lost
    use poinsot_effect_gaussian, only: gaussian_block
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_value
@@ -74,27 +73,21 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
       real(dp), intent(in), optional :: scale(lanes)
-      real(dp) :: xi(lanes, 3), x(3), width, loss(3, 3), noise(3, 3), rate(lanes)
+      real(dp) :: xi(lanes, 3), x(3), width, rate(lanes)
       integer :: j
       associate (unused => q)
       end associate
       call gaussian_block(seed, id, step, half, xi)
+      if (allocated(self%law%full)) then
+         call apply_full(class, self%law, h, self%temperature, y, xi, scale)
+         return
+      end if
       if (present(scale)) then
-         if (allocated(self%law%full)) then
-            call apply_full_each(class, self%law, h, self%temperature, scale, y, xi)
-            return
-         end if
          do j = 1, 3
             rate = self%law%decay_each(class, h, j, scale)
             y(:, j) = exp(-rate)*y(:, j) &
                + sqrt(self%temperature*class%moments(j))*sqrt(scale)*sqrt(lost(rate))*xi(:, j)
          end do
-         return
-      end if
-      if (allocated(self%law%full)) then
-         call full_flow(class, self%law, h, self%temperature, loss, noise)
-         call apply_flow(-loss, (y), y)
-         call apply_flow(noise, xi, y)
          return
       end if
       x = self%law%decay(class, h)

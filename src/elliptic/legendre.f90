@@ -8,7 +8,7 @@ module poinsot_elliptic_legendre
    use poinsot_core_constants, only: pi
    use poinsot_core_kinds, only: dp
    use poinsot_core_libm, only: arctangent, cosine, sine
-   use poinsot_elliptic_carlson, only: carlson_rc, carlson_rd, carlson_rf, carlson_rj
+   use poinsot_elliptic_carlson, only: carlson_rd, carlson_rf, carlson_rj
    use poinsot_elliptic_complete, only: complete_e, complete_k, complete_parameter, complete_pi, &
       parameter_of
    implicit none(type, external)

@@ -1,8 +1,8 @@
 !> The caller's bodies, seen through pointers and strides: nothing is copied, nothing is owned.
 module poinsot_ensemble_bodies
-   use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_size_t, c_ptrdiff_t, c_double, &
-      c_int, c_int64_t, c_associated, c_f_pointer, c_loc, c_sizeof
-   use poinsot_core_kinds, only: dp, i8
+   use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_size_t, c_ptrdiff_t, c_int, &
+      c_int64_t, c_associated, c_f_pointer, c_sizeof
+   use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_null, poinsot_e_size
    implicit none(type, external)

@@ -5,8 +5,7 @@ module poinsot_ensemble_plan
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method, &
-      poinsot_e_size
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method
    use poinsot_body_class, only: body_class, make_class
    use poinsot_body_moments, only: accept_moments
    use poinsot_body_inertia, only: principal_axes, is_diagonal

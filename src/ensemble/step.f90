@@ -3,8 +3,7 @@
 module poinsot_ensemble_step
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, &
-      poinsot_e_size
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
    use poinsot_effect_effect, only: flow_effect
    use poinsot_ensemble_block, only: add_momentum, reject_torques
    use poinsot_ensemble_bodies, only: body_view, column

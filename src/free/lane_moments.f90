@@ -12,7 +12,7 @@ module poinsot_free_lane_moments
    use poinsot_free_method, only: free_method, advance_lanes
    implicit none(type, external)
    private
-   public :: lane_moments, take_scale, take_moments, takes_moments, advance_own, lane_steps
+   public :: lane_moments, take_scale, take_moments, takes_moments, advance_own
 
    !> Of the bodies of a block. All lanes are set, those of padding too, but for the constants.
    type :: lane_moments
@@ -224,20 +224,5 @@ contains
          if (present(carry)) carry(l, 1:3) = scale(carry(l, 1:3), power(l))
       end do
    end subroutine advance_wide
-
-   !> A time of the class for each lane, h/scale; one beyond 2**1000 stays there.
-   pure function lane_steps(own, h) result(hl)
-      type(lane_moments), intent(in) :: own
-      real(dp), intent(in) :: h
-      real(dp) :: hl(lanes)
-      integer :: l
-      do l = 1, lanes
-         if (exponent(h) - exponent(own%scale(l)) > 999) then
-            hl(l) = sign(2.0_dp**1000, h)
-         else
-            hl(l) = h/own%scale(l)
-         end if
-      end do
-   end function lane_steps
 
 end module poinsot_free_lane_moments

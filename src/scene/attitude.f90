@@ -1,13 +1,14 @@
 !> The attitude of a &bodies group as people have it: a quaternion, Euler angles, axis and angle.
 module poinsot_scene_attitude
    use poinsot_core_kinds, only: dp
-   use poinsot_core_error, only: poinsot_error, raised, clear
+   use poinsot_core_error, only: poinsot_error, raised
    use poinsot_rotation_conversions, only: from_axis_angle, from_euler
    use poinsot_rotation_quaternion, only: quaternion_product, unit_tolerance
    use poinsot_scene_settings, only: body_group, random_none
    use poinsot_scene_source, only: place
    use poinsot_scene_text, only: text_of
-   use poinsot_scene_typed_group, only: typed_group, given, numbers_of, word_of, flag_of, reject_key
+   use poinsot_scene_typed_group, only: typed_group, given, numbers_of, word_of, flag_of, &
+      reject_key, relabel
    implicit none(type, external)
    private
    public :: build_attitude, make_unit
@@ -139,17 +140,5 @@ contains
       if (off >= 1) digits = "more than 1"
       text = trim(adjustl(digits))
    end function amount
-
-   !> An error of the room rotation, with the place in front.
-   subroutine relabel(group, key, error)
-      type(typed_group), intent(in) :: group
-      character(*), intent(in) :: key
-      type(poinsot_error), intent(inout) :: error
-      character(:), allocatable :: message
-      if (.not. raised(error)) return
-      message = error%message
-      call clear(error)
-      call reject_key(group, key, "refused: " // message, error)
-   end subroutine relabel
 
 end module poinsot_scene_attitude

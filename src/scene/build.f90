@@ -1,6 +1,5 @@
 !> From groups and keys to a typed scene, with every value checked.
 module poinsot_scene_build
-   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_nearest, only: suggestion
@@ -16,7 +15,7 @@ module poinsot_scene_build
    use poinsot_scene_bodies, only: build_bodies, add_rotors
    use poinsot_scene_columns, only: column_names, find_columns
    use poinsot_scene_effects, only: build_effects
-   use poinsot_scene_schedule, only: step_total, output_count
+   use poinsot_scene_schedule, only: step_total
    use poinsot_taylor_settings, only: least_tolerance, most_tolerance
    implicit none(type, external)
    private

@@ -2,7 +2,6 @@
 module poinsot_scene_effects
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_e_io
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: effect_info, setting, was_given, number_setting
    use poinsot_scene_source, only: scene_source, find_groups, reject

@@ -1,7 +1,7 @@
 !> The principal moments of a &bodies group, from moments, a tensor, point masses or a shape.
 module poinsot_scene_inertia
    use poinsot_core_kinds, only: dp
-   use poinsot_core_error, only: poinsot_error, raised, clear
+   use poinsot_core_error, only: poinsot_error, raised
    use poinsot_rotation_conversions, only: from_matrix
    use poinsot_body_moments, only: accept_moments
    use poinsot_body_inertia, only: principal_axes, is_diagonal, point_mass_tensor
@@ -11,8 +11,7 @@ module poinsot_scene_inertia
    use poinsot_scene_text, only: quoted
    use poinsot_scene_settings, only: body_group
    use poinsot_scene_typed_group, only: typed_group, given, flag_of, number_of, numbers_of, &
-      word_of, &
-      reject_key
+      word_of, reject_key, relabel
    implicit none(type, external)
    private
    public :: find_moments
@@ -130,17 +129,5 @@ contains
       call shape_moments(name, mass, lengths, bodies%moments, error)
       call relabel(group, "shape", error)
    end subroutine from_shape
-
-   !> An error of the body modules, with the place in front.
-   subroutine relabel(group, key, error)
-      type(typed_group), intent(in) :: group
-      character(*), intent(in) :: key
-      type(poinsot_error), intent(inout) :: error
-      character(:), allocatable :: message
-      if (.not. raised(error)) return
-      message = error%message
-      call clear(error)
-      call reject_key(group, key, "refused: " // message, error)
-   end subroutine relabel
 
 end module poinsot_scene_inertia

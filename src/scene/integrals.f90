@@ -4,8 +4,8 @@ module poinsot_scene_integrals
    use poinsot_effect_formula_node, only: op_time
    use poinsot_effect_potential, only: potential
    use poinsot_effect_registry, only: describe_effect, effect_number
-   use poinsot_effect_settings, only: effect_info, get_values, get_value, get_text
-   use poinsot_scene_settings, only: scene_settings, effect_setting, body_group, body_total
+   use poinsot_effect_settings, only: get_values, get_value, get_text
+   use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
    implicit none(type, external)
    private
    public :: integral_list, scene_integrals

@@ -4,9 +4,7 @@
 module poinsot_scene_npy
    use poinsot_core_kinds, only: dp, i4, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_scene_files, only: out_file, open_out, put_text, rewind_out, flush_out, &
-      finish_out, &
-      is_open
+   use poinsot_scene_files, only: out_file, open_out, put_text, rewind_out, finish_out, is_open
    use poinsot_scene_text, only: text_of
    implicit none(type, external)
    private

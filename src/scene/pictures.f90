@@ -2,7 +2,7 @@
 !> scripts themselves, plot_NAME.gp, are gnuplot's own (share/poinsot/plots); whoever draws puts
 !> them beside the trajectory (the app does), and they can be run again whenever wanted.
 module poinsot_scene_pictures
-   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_integrals, only: integral_list, scene_integrals

@@ -1,6 +1,6 @@
 !> What the reader finds in a scene file, before anything is known about its meaning.
 module poinsot_scene_source
-   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_e_scene
    use poinsot_scene_text, only: text_of

@@ -2,7 +2,7 @@
 !> defaults filled in, and the line of each key kept for messages.
 module poinsot_scene_typed_group
    use poinsot_core_kinds, only: dp, i8
-   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_core_nearest, only: suggestion
    use poinsot_core_number, only: trusted_reals
    use poinsot_effect_settings, only: effect_info, effect_key, setting, is_missing
@@ -12,7 +12,7 @@ module poinsot_scene_typed_group
    implicit none(type, external)
    private
    public :: typed_group, type_group, given, number_of, numbers_of, word_of, integer_of, plain, &
-      reject_key
+      reject_key, relabel
    public :: flag_of, is_logical, logical_choices, largest_list
 
    character(*), parameter :: logical_choices = ".true. .false." !! units of a logical key
@@ -377,5 +377,17 @@ contains
       if (k > 0) line = typed%lines(k)
       call reject(error, typed%file, line, "&" // typed%name // ": " // key // " " // message)
    end subroutine reject_key
+
+   !> An error of the numerical library, with the place in front.
+   subroutine relabel(group, key, error)
+      type(typed_group), intent(in) :: group         !! where the value stands
+      character(*), intent(in) :: key                !! its key
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: message
+      if (.not. raised(error)) return
+      message = error%message
+      call clear(error)
+      call reject_key(group, key, "refused: " // message, error)
+   end subroutine relabel
 
 end module poinsot_scene_typed_group

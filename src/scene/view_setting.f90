@@ -4,7 +4,7 @@ module poinsot_scene_view_setting
    use poinsot_core_kinds, only: dp
    use poinsot_scene_integrals, only: vector_in, number_in, text_in
    use poinsot_scene_json, only: numbers_json, number_json
-   use poinsot_scene_settings, only: scene_settings, effect_setting
+   use poinsot_scene_settings, only: scene_settings
    implicit none(type, external)
    private
    public :: view_setting, body_vectors

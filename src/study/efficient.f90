@@ -5,7 +5,7 @@ module poinsot_study_efficient
    use poinsot_study_cost_point, only: cost_point, error_of, middle
    implicit none(type, external)
    private
-   public :: frontier_part, frontier_parts, frontier_line
+   public :: frontier_part, frontier_parts
 
    real(dp), parameter :: as_good = 1.2_dp   !! times closer than this are the same
    real(dp), parameter :: coarsest = 0.3_dp, finest = 1e-17_dp
@@ -106,26 +106,5 @@ contains
          at = i
       end do
    end function point_at
-
-   !> The points that no other beats, from coarse to fine: (2, n), error and time.
-   pure subroutine frontier_line(points, what, line)
-      type(cost_point), intent(in) :: points(:)
-      integer, intent(in) :: what
-      real(dp), allocatable, intent(out) :: line(:, :)
-      real(dp) :: deviation(size(points))
-      integer :: i, k, n
-      logical :: left(size(points))
-      n = count(points%front(what))
-      allocate (line(2, n))
-      left = points%front(what)
-      do i = 1, size(points)
-         deviation(i) = larger(error_of(points(i), what, middle), finest)
-      end do
-      do i = 1, n
-         k = maxloc(deviation, 1, mask=left)
-         left(k) = .false.
-         line(:, i) = [deviation(k), points(k)%ns/points(k)%h]
-      end do
-   end subroutine frontier_line
 
 end module poinsot_study_efficient

@@ -12,7 +12,7 @@ module poinsot_study_hard
    use poinsot_study_hard_kinds, only: approach_names
    use poinsot_study_hard_promises, only: promise_names, promise_bounds, promise_about, &
       broken, measured_nothing
-   use poinsot_study_hard_rows, only: hard_row, measure_rows, find_row, verdict_words, is_case
+   use poinsot_study_hard_rows, only: hard_row, measure_rows, find_row, verdict_words
    use poinsot_study_hard_tops, only: top_names, top_bounds, top_about
    use poinsot_study_write_line, only: write_line
    implicit none(type, external)

@@ -6,7 +6,6 @@ module poinsot_study_repeat_hairer
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_summary, only: brief_number
-   use poinsot_scene_text, only: text_of
    use poinsot_study_errors, only: attitude_error
    use poinsot_study_free_trial, only: run_block
    use poinsot_study_quadruple, only: turn_freely

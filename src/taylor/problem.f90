@@ -15,7 +15,7 @@ module poinsot_taylor_problem
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect_item
    use poinsot_effect_geometry, only: turned
-   use poinsot_effect_terms, only: torque_terms, space_direction, linear_term, table_term
+   use poinsot_effect_terms, only: torque_terms, space_direction, table_term
    use poinsot_taylor_basis, only: span_rows, add_direction
    implicit none(type, external)
    private
