@@ -50,6 +50,7 @@ contains
          new_unittest("scene text: settings of a command line", settings_added), &
          new_unittest("top: the tolerance is met", top_choice), &
          new_unittest("every body of many is within the tolerance", many_bodies), &
+         new_unittest("several kinds of body", several_kinds), &
          new_unittest("a chaotic motion is called so", chaotic_motion), &
          new_unittest("friction: a Taylor series where splittings have order 2", friction_choice), &
          new_unittest("choice among names", named_choice), &
@@ -147,6 +148,26 @@ contains
       call expect(error, answer%growth%holds > 20 .and. answer%growth%holds < 200 .and. &
          answer%growth%fold > 2 .and. answer%growth%fold < 50, verdict(scene, 1e-12_dp, answer))
    end subroutine chaotic_motion
+
+   !> Of one to five kinds: a plan has room for more classes than it has.
+   subroutine several_kinds(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(choice) :: answer
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      character(:), allocatable :: text
+      character(4) :: moment
+      integer :: kinds
+      text = "&scene t_end = 2, h = 0.02 /" // new_line("a") // "&gravity centre = 0, 0, 1 /"
+      do kinds = 1, 5
+         write (moment, "(f4.1)") 1.4_dp + 0.1_dp*kinds
+         text = text // new_line("a") // "&bodies moments = 1, 1.2, " // moment // &
+            ", y = 1, .1, .2 /"
+         call choose_for(text, 1e-8_dp, any_name, scene, answer, failure)
+         call expect(error, .not. raised(failure) .and. answer%ended == tolerance_kept, "refused")
+         call expect(error, answer%best%error <= 1e-8_dp, "beyond the tolerance")
+      end do
+   end subroutine several_kinds
 
    !> Drag limits every splitting to order 2.
    subroutine friction_choice(error)

@@ -22,7 +22,7 @@ module poinsot_ensemble_compose
    use poinsot_taylor_settings, only: choose_orders
    implicit none(type, external)
    private
-   public :: make_ready, attach_plan, scheme_of
+   public :: make_ready, attach_plan, scheme_of, class_terms
 
 contains
 
@@ -133,16 +133,25 @@ contains
          return
       end if
       do c = 1, plan%added
-         associate (flows => plan%composed(plan%composition(c)))
-            terms = torque_terms()
-            call collect_terms(plan%classes(c)%it, [flows%torques, flows%dissipative], &
-                               plan%effects, terms, error)
-         end associate
+         call class_terms(plan, c, terms, error)
          if (raised(error)) return
          call make_problem(plan%classes(c)%it, terms, problems(c))
       end do
       call move_alloc(problems, plan%taylor)
    end subroutine compose_taylor
+
+   !> What acts on class c, as data. POINSOT_E_METHOD for what is no data: pairs, noise, a program's
+   !> own torque.
+   subroutine class_terms(plan, c, terms, error)
+      type(poinsot_plan), intent(in) :: plan      !! composed
+      integer, intent(in) :: c                    !! 1 to plan%added
+      type(torque_terms), intent(out) :: terms
+      type(poinsot_error), intent(inout) :: error
+      associate (flows => plan%composed(plan%composition(c)))
+         call collect_terms(plan%classes(c)%it, [flows%torques, flows%dissipative], plan%effects, &
+                            terms, error)
+      end associate
+   end subroutine class_terms
 
    !> Would an effect's settings mean something else in another frame of the body?
    logical function is_framed(item)

@@ -11,9 +11,9 @@ module poinsot_study_torque_series
    use poinsot_body_class, only: body_class
    use poinsot_effect_terms, only: torque_terms, space_direction, linear_term, quadratic_term, &
       body_term, table_term
+   use poinsot_ensemble_compose, only: class_terms
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_study_quadruple, only: cross
-   use poinsot_taylor_problem, only: collect_terms
    implicit none(type, external)
    private
    public :: torque_problem, series_accuracy, fine, coarse, torque_problems, turn_under_torque
@@ -64,13 +64,9 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(torque_terms) :: terms
       integer :: c
-      allocate (problems(size(plan%classes)))
+      allocate (problems(plan%added))
       do c = 1, size(problems)
-         associate (flows => plan%composed(plan%composition(c)))
-            terms = torque_terms()
-            call collect_terms(plan%classes(c)%it, [flows%torques, flows%dissipative], &
-               plan%effects, terms, error)
-         end associate
+         call class_terms(plan, c, terms, error)
          if (raised(error)) return
          call make_torque_problem(plan%classes(c)%it, terms, problems(c))
       end do
