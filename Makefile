@@ -37,11 +37,11 @@ build: setup ## set up what is missing; build library and app (into build/stage)
 	@tools/build.sh stage
 	@[ "$(MPI)" != 1 ] || tools/mpi.sh
 
-demo: build ## build, then run the free body and the heavy top, leave pictures
+demo: build ## build, then run the free body and the heavy top, leave pictures and pages
 	$(stage)/bin/poinsot run free-body --out $(out)/free-body
 	$(stage)/bin/poinsot run heavy-top --out $(out)/heavy-top
-	@echo; echo "Pictures:"; ls -1 $(out)/free-body/*.svg $(out)/free-body/*.png \
-	   $(out)/heavy-top/*.svg $(out)/heavy-top/*.png 2>/dev/null | sed 's/^/   /'
+	@echo; echo "Pages, for any browser, and pictures:"; ls -1 $(out)/free-body/view.html $(out)/heavy-top/view.html \
+	   $(out)/free-body/*.svg $(out)/free-body/*.png $(out)/heavy-top/*.svg $(out)/heavy-top/*.png 2>/dev/null | sed 's/^/   /'
 
 test: build ## build, then run the tests in two profiles; ends with "N passed, M failed"
 	@tools/test.sh $(SUITE)
