@@ -10,13 +10,15 @@ module test_ensemble_bits
    use poinsot_ensemble_bodies, only: body_view, view_rows
    use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_compose, only: make_ready
-   use poinsot_ensemble_plan, only: poinsot_plan, set_option
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_effect, set_option
    use poinsot_ensemble_rotate, only: rotate_bodies, threads_for
    use poinsot_ensemble_bodies, only: column
    use poinsot_ensemble_drive, only: team_size
    use poinsot_ensemble_observe, only: body_energies
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name, free_method, find_method
+   use poinsot_effect_settings, only: number_setting
+   use test_bodies, only: random_quaternion, random_stream, start_stream, uniform
    use test_crowd, only: crowd, make_crowd, mixed_plan, plain_plan, with_effect, &
       class_count, same_bits
    use test_expectation, only: expect
@@ -45,6 +47,7 @@ contains
          new_unittest("bits-no-effect-is-the-rotor", test_bare), &
          new_unittest("bits-failed-bodies", test_failed_bodies), &
          new_unittest("bits-inside-a-parallel-region", test_nested), &
+         new_unittest("bits-of-rotors-in-other-units", test_units), &
          new_unittest("bits-thermostat-by-id", test_ids), &
          new_unittest("threads-that-start", test_team), &
          new_unittest("rounding-mode-of-the-host", test_rounding), &
@@ -67,6 +70,52 @@ contains
       call make_ready(plan, problem)
       if (raised(problem)) error stop "busy_plan"
    end subroutine busy_plan
+
+   !> Units of mass length^2 and of time that are powers of two: moments, momenta, rotor and step in
+   !> them give the same bits, for every length of a rotor.
+   subroutine test_units(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: mass(4) = [0, -37, 5, 0], time(4) = [0, 0, 11, -64]
+      type(random_stream) :: stream
+      real(dp) :: part(3), moments(3), rotor(3), y(3), q(4), first(7), now(7)
+      integer :: k, j, unit
+      stream = start_stream(77)
+      do k = 1, 300
+         do j = 1, 3
+            part(j) = 0.1_dp + uniform(stream)
+            rotor(j) = 2*uniform(stream) - 1
+            y(j) = 2*uniform(stream) - 1
+         end do
+         moments = sum(part) - part
+         q = random_quaternion(stream)
+         do unit = 1, size(mass)
+            now = turned(scale(moments, mass(unit)), scale(rotor, mass(unit) - time(unit)), &
+                         scale(y, mass(unit) - time(unit)), q, scale(0.3_dp, time(unit)))
+            now(:3) = scale(now(:3), time(unit) - mass(unit))
+            if (unit == 1) first = now
+            call expect(error, all(abs(now - first) <= 0), "other units, other bits")
+         end do
+      end do
+   contains
+      function turned(moments, rotor, y, q, h) result(state)
+         real(dp), intent(in) :: moments(3), rotor(3), y(3), q(4), h
+         real(dp) :: state(7)
+         real(dp), target :: ys(3, 1), qs(4, 1)
+         type(poinsot_plan) :: plan
+         type(body_view) :: view
+         type(poinsot_error) :: problem
+         integer :: number, status
+         call add_class(plan, moments, number, problem)
+         call add_effect(plan, "gyrostat", [number_setting("rotor", rotor)], problem)
+         call make_ready(plan, problem)
+         ys(:, 1) = y
+         qs(:, 1) = q
+         call view_rows(ys, qs, view)
+         call drift_bodies(plan, view, h, status, problem)
+         if (raised(problem) .or. status /= poinsot_ok) error stop "test_units"
+         state = [ys(:, 1), qs(:, 1)]
+      end function turned
+   end subroutine test_units
 
    !> 20 ms of work where nobody says how many; 0.2 ms for each thread.
    subroutine test_team(error)

@@ -1,6 +1,7 @@
 !> What should stay constant, followed through a run: the largest change of each since the start.
 module poinsot_scene_drift
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use poinsot_core_length, only: length_of
    use poinsot_core_kinds, only: dp
    use poinsot_core_maxima, only: larger, largest_of
    use poinsot_body_invariants, only: space_momentum
@@ -101,16 +102,6 @@ contains
       drift%energy_change = larger(drift%energy_change, &
          relative(total - drift%total, drift%total_size))
    end subroutine follow_drift
-
-   !> |v| without leaving the range of numbers.
-   pure real(dp) function length_of(v)
-      real(dp), intent(in) :: v(3)
-      real(dp) :: unit
-      unit = largest_of(abs(v))
-      length_of = unit
-      if (.not. ieee_is_finite(unit)) return
-      if (unit > 0) length_of = unit*norm2(v/unit)
-   end function length_of
 
    !> | |q| - 1 |
    pure real(dp) function off_unit(q)
