@@ -2,6 +2,7 @@
 module test_scene_endings
    use testdrive, only: new_unittest, unittest_type, error_type
    use test_expectation, only: expect, within
+   use test_oracle_algebra, only: rotate
    use test_scene_tools, only: output, nl, make_scene, run_made, column, get_text
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
@@ -43,7 +44,7 @@ contains
       character :: axis
       integer :: i
       call run_text(run // skew // "&output every=0.25 columns='omega1,omega2 OMEGA3 tilt euler2 " &
-         // "qy3 euler1' /", "columns", error)
+         // "qy3 euler1 qy1 qy2' /", "columns", error)
       if (allocated(error)) return
       call column("columns/trajectory.csv", "kinetic", kinetic)
       call expect(error, size(kinetic), 10, "rows")
@@ -63,11 +64,34 @@ contains
       call within(error, maxval(abs(tilt - euler)), 1e-14_dp, "tilt against nutation")
       call within(error, tilt(1) - 0.7_dp, 1e-15_dp, "the first tilt")
       call within(error, maxval(abs(up - up(1))), 1e-14_dp, "Q y along z")
+      call check_space_momentum(error)
       call column("columns/trajectory.csv", "euler1", euler)
       call within(error, euler(1) - 0.1_dp, 1e-15_dp, "the first precession")
    end subroutine test_columns
 
-   !> omega is what was given, with a wheel inside.
+   !> Q y by its three columns against the attitude and the momentum of each row.
+   subroutine check_space_momentum(error)
+      type(error_type), allocatable, intent(inout) :: error
+      real(dp), allocatable :: x(:), q(:, :), y(:, :), space(:, :)
+      character :: axis
+      integer :: i
+      allocate (q(4, 10), y(3, 10), space(3, 10))
+      do i = 0, 3
+         write (axis, "(i1)") i
+         call column("columns/trajectory.csv", "q" // axis, x)
+         q(i + 1, :) = x
+         if (i == 0) cycle
+         call column("columns/trajectory.csv", "y" // axis, x)
+         y(i, :) = x
+         call column("columns/trajectory.csv", "Qy" // axis, x)
+         space(i, :) = x
+      end do
+      do i = 1, 10
+         call within(error, norm2(space(:, i) - rotate(q(:, i), y(:, i))), 1e-14_dp, "Q y")
+      end do
+   end subroutine check_space_momentum
+
+   !> omega is what was given, with a rotor inside.
    subroutine test_gyrostat(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp), allocatable :: w(:)
