@@ -24,6 +24,8 @@ module poinsot_splitting_block_flows
    !> sets. Nothing has a default, which would be copied with all the rest for every chunk.
    ! allow(C101)
    type, extends(flows) :: block_flows
+      ! 12 bytes stand before: the arrays begin at lines of the cache, as the block does
+      integer :: filler(13)
       real(dp) :: y(lanes, 3)                 !! angular momenta, principal frame
       real(dp) :: q(lanes, 4)                 !! attitudes
       real(dp) :: carry(lanes, 7)             !! compensated sums, used if `compensated`
