@@ -548,9 +548,9 @@ contains
    end subroutine test_floor
 
    !> Spin along the vertical: the angle about it grows without bound, nothing else moves. A
-   !> relative change of omega by x turns the body by x times its angle more: that is the problem's own
-   !> conditioning, and errors are measured in it. From 1e-6 on, all in single precision, they are
-   !> the rounding of the angle, alike in every substep: 1e-8 of it.
+   !> relative change of omega by x turns the body by x times its angle more: that is the problem's
+   !> own conditioning, and errors are measured in it. From 1e-6 on, all in single precision, they
+   !> are the rounding of the angle, alike in every substep: 1e-8 of it.
    subroutine test_sleeping(error)
       type(error_type), allocatable, intent(out) :: error
       type(poinsot_plan) :: plan

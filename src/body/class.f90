@@ -61,6 +61,7 @@ module poinsot_body_class
       logical :: turned = .false.          !! these are two frames
       real(dp) :: rotor(3) = 0             !! angular momentum s of built-in rotors, relative to the
                                            !! body, principal frame: omega = (y - s)/I
+      real(dp) :: rotor_rate = 0           !! |I^-1 s|
       logical :: has_rotor = .false.
    end type body_class
 

@@ -5,7 +5,6 @@
 !> scheme.
 module poinsot_effect_gyrostat
    use poinsot_core_kinds, only: dp, lanes
-   use poinsot_core_length, only: length_of
    use poinsot_core_error, only: poinsot_error
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect
@@ -65,17 +64,21 @@ contains
    end function uses_moments
 
    !> Is the turn over h beyond 1e15 radians? Exponents first: the product may leave the range.
-   elemental logical function turn_is_too_long(class, h, scale)
-      type(body_class), intent(in) :: class   !! with its rotor
-      real(dp), intent(in) :: h               !! any sign
-      real(dp), intent(in) :: scale           !! moments over those of the class
-      real(dp) :: size
-      size = length_of(class%inverse*class%rotor)
+   elemental logical function turn_is_too_long(rate, h, scale)
+      real(dp), intent(in) :: rate              !! of the class
+      real(dp), intent(in) :: h                 !! any sign
+      real(dp), intent(in), optional :: scale   !! moments over those of the class
       turn_is_too_long = .false.
-      if (.not. (size > 0 .and. abs(h) > 0)) return
-      turn_is_too_long = exponent(size) + exponent(h) - exponent(scale) &
-         > exponent(longest_turn) + 1
-      if (.not. turn_is_too_long) turn_is_too_long = turn_angle(size, abs(h), scale) > longest_turn
+      if (.not. (rate > 0 .and. abs(h) > 0)) return
+      if (present(scale)) then
+         turn_is_too_long = exponent(rate) + exponent(h) - exponent(scale) &
+            > exponent(longest_turn) + 1
+         if (.not. turn_is_too_long) turn_is_too_long = turn_angle(rate, abs(h), scale) &
+            > longest_turn
+      else
+         turn_is_too_long = exponent(rate) + exponent(h) > exponent(longest_turn) + 1
+         if (.not. turn_is_too_long) turn_is_too_long = rate*abs(h) > longest_turn
+      end if
    end function turn_is_too_long
 
    !> rate h/scale, nothing beyond the range of numbers on the way.
@@ -96,21 +99,23 @@ contains
       real(dp), intent(out) :: dy(lanes, 3)
       real(dp), intent(out) :: dq(lanes, 4)
       real(dp), intent(in), optional :: scale(lanes) !! moments over those of the class
-      real(dp) :: size, x1, x2, x3
+      real(dp) :: axis(3), angle(lanes), x1, x2, x3
       real(dp), dimension(lanes) :: r0, c0, r1, r2, r3
       integer :: i
-      size = length_of(class%inverse*class%rotor)
+      axis = 0
+      if (class%rotor_rate > 0) axis = -class%inverse*class%rotor/class%rotor_rate
       if (present(scale)) then
-         call turn_by(class, 0.5_dp*turn_angle(size, h, scale), r0, c0, r1, r2, r3)
-      else
-         call turn_by(class, 0.5_dp*h*size, r0(1), c0(1), r1(1), r2(1), r3(1))
-         do i = 2, lanes
-            r0(i) = r0(1)
-            c0(i) = c0(1)
-            r1(i) = r1(1)
-            r2(i) = r2(1)
-            r3(i) = r3(1)
+         angle = 0.5_dp*turn_angle(class%rotor_rate, h, scale)
+         do i = 1, lanes
+            call turn_by(axis, angle(i), r0(i), c0(i), r1(i), r2(i), r3(i))
          end do
+      else
+         call turn_by(axis, 0.5_dp*h*class%rotor_rate, r0(1), c0(1), r1(1), r2(1), r3(1))
+         r0 = r0(1)
+         c0 = c0(1)
+         r1 = r1(1)
+         r2 = r2(1)
+         r3 = r3(1)
       end if
       !$omp simd private(x1, x2, x3)
       do i = 1, lanes
@@ -128,15 +133,12 @@ contains
    end subroutine turn_increment
 
    !> The quaternion of a turn: cos(angle), cos(angle) - 1 without cancellation, and the vector.
-   elemental subroutine turn_by(class, angle, r0, c0, r1, r2, r3)
-      type(body_class), intent(in) :: class   !! with its rotor
+   pure subroutine turn_by(axis, angle, r0, c0, r1, r2, r3)
+      real(dp), intent(in) :: axis(3)         !! unit, or zero
       real(dp), intent(in) :: angle           !! half of the turn
       real(dp), intent(out) :: r0, c0, r1, r2, r3
-      real(dp) :: rate(3), size, r(3)
-      rate = -class%inverse*class%rotor
-      size = length_of(rate)
-      r = 0
-      if (size > 0) r = sin(angle)*(rate/size)
+      real(dp) :: r(3)
+      r = sin(angle)*axis
       r0 = cos(angle)
       c0 = -2*sin(0.5_dp*angle)**2
       r1 = r(1)

@@ -142,10 +142,11 @@ contains
       real(dp), intent(in) :: h
       real(dp) :: dy(lanes, 3), dq(lanes, 4), hl(lanes)
       if (associated(self%own)) then
-         where (self%status == poinsot_ok .and. turn_is_too_long(self%class, h, self%own%scale)) &
+         where (self%status == poinsot_ok .and. turn_is_too_long(self%class%rotor_rate, h, &
+            self%own%scale)) &
             self%status = poinsot_e_step
          call turn_increment(self%class, h, self%y, self%q, dy, dq, self%own%scale)
-      else if (turn_is_too_long(self%class, h, 1.0_dp)) then
+      else if (turn_is_too_long(self%class%rotor_rate, h)) then
          where (self%status == poinsot_ok) self%status = poinsot_e_step
          return
       else

@@ -1,5 +1,6 @@
 !> What acts on the bodies of one class: composed once, when a plan is closed, and never changed.
 module poinsot_splitting_class_flows
+   use poinsot_core_length, only: length_of
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -38,6 +39,7 @@ contains
          return
       end if
       class%rotor = 0
+      class%rotor_rate = 0
       class%has_rotor = .false.
       do k = 1, size(acting)
          i = acting(k)
@@ -78,6 +80,7 @@ contains
          return
       end if
       class%rotor = class%rotor + one%rotor
+      class%rotor_rate = length_of(class%inverse*class%rotor)
       class%has_rotor = .true.
       if (.not. allocated(composed%weights)) call turn_composition(order, composed%weights)
    end subroutine add_rotor
