@@ -9,6 +9,10 @@ module test_scene
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene, poinsot_e_partial
+   use poinsot_effect_effect, only: effect
+   use poinsot_effect_registry, only: make_effect
+   use poinsot_effect_settings, only: setting
+   use poinsot_effect_settings_text, only: read_settings
    use poinsot_rotation_quaternion, only: attitude_distance
    use poinsot_scene_text, only: text_of
    use poinsot_scene_source, only: scene_source, find_group, value_null, value_number, &
@@ -69,6 +73,7 @@ contains
          new_unittest("reader-refusals", test_reader_refusals), &
          new_unittest("reader-files", test_reader_files), &
          new_unittest("key-refusals", test_key_refusals), &
+         new_unittest("keys-checked-alike", test_alike), &
          new_unittest("value-refusals", test_value_refusals), &
          new_unittest("override", test_override), &
          new_unittest("schedule", test_schedule), &
@@ -236,6 +241,54 @@ contains
       call read_source("/dev/null", source, failure)
       call expect(error, failure%code, poinsot_e_scene, "an empty file")
    end subroutine test_reader_files
+
+   !> Settings of a program and of a file are checked by the same rules, in the same words.
+   subroutine test_alike(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(16), parameter :: names(7) = [character(16) :: "gravity", "gravity", "gravity", &
+         "gravity", "gravity", "torque", "torque"]
+      character(48), parameter :: texts(7) = [character(48) :: "centre=1,2", "centre=1,2,3,4", &
+         "centre=1,2,3; weight=1,2", "weight=2", "centre=1,2,3; weight=1; weight=2", &
+         "value=1,2,3; frame='sideways'", "value=1,2,3; frame='body space'"]
+      character(40), parameter :: words(7) = [character(40) :: &
+         "takes 3 numbers, too few are given", "takes 3 numbers, more are given", &
+         "takes 1 number, more are given", "is required: centre of mass", "is given twice", &
+         "is not one of: body space", "is not one of: body space"]
+      type(setting), allocatable :: settings(:)
+      class(effect), allocatable :: made
+      type(poinsot_error) :: failure
+      type(scene_settings) :: scene
+      character(len(texts)) :: text
+      integer :: i, k
+      do i = 1, size(names)
+         text = texts(i)
+         do k = 1, len(text)
+            if (text(k:k) == "'") text(k:k) = " "
+         end do
+         call clear(failure)
+         call read_settings(trim(text), settings, failure)
+         if (.not. raised(failure)) call make_effect(trim(names(i)), settings, made, failure)
+         call expect(error, index(said(failure), trim(words(i))) > 0, "a program's: "// &
+            said(failure))
+         text = texts(i)
+         do k = 1, len(text)
+            if (text(k:k) == ";") text(k:k) = " "
+         end do
+         call clear(failure)
+         call make(good_run // good_body // "&" // trim(names(i)) // " " // text // "/", scene, &
+            failure)
+         call expect(error, index(said(failure), trim(words(i))) > 0, "a file's: "// &
+            said(failure))
+      end do
+   end subroutine test_alike
+
+   !> The message of an error, or that there is none.
+   pure function said(failure) result(text)
+      type(poinsot_error), intent(in) :: failure
+      character(:), allocatable :: text
+      text = "nothing refused"
+      if (raised(failure)) text = failure%message
+   end function said
 
    !> Groups and keys: each message has the line and the nearest name.
    subroutine test_key_refusals(error)

@@ -4,7 +4,9 @@
 module poinsot_effect_settings
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, name_length
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_size
+   use poinsot_core_message, only: place, printable
+   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_scene, &
+      poinsot_e_size
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
    use poinsot_core_number, only: trusted_reals
@@ -12,8 +14,8 @@ module poinsot_effect_settings
    private
    public :: setting, effect_key, effect_info, number_key, text_key
    public :: body_vector, class_vectors, per_axis
-   public :: check_keys, get_values, get_value, get_text, get_direction, was_given, &
-      is_missing, &
+   public :: settings_place, check_keys, reject_unknown, reject_key, find_key
+   public :: get_values, get_value, get_text, get_direction, was_given, default_values, &
       number_setting, text_setting
 
    !> What frame the numbers of a key are in; "" is space, or none. They are turned when an effect
@@ -31,6 +33,14 @@ module poinsot_effect_settings
       real(dp), allocatable :: values(:)  !! allocated for numbers
       character(:), allocatable :: text   !! allocated for a text
    end type setting
+
+   !> Where a file says the settings, for messages.
+   type :: settings_place
+      character(:), allocatable :: file
+      character(:), allocatable :: group
+      integer :: line = 0             !! of the group's opening; 0 if it is absent
+      integer, allocatable :: lines(:) !! of each setting
+   end type settings_place
 
    !> One key of an effect. `least` and `most` count the numbers it takes; a text has `is_text`.
    type :: effect_key
@@ -96,35 +106,31 @@ contains
 
    !> Refuse keys the effect does not know (naming the nearest one), keys given twice, numbers for a
    !> text and a text for numbers, wrong counts, numbers that are not finite, words that are not a
-   !> choice.
-   pure subroutine check_keys(info, settings, error)
+   !> choice, required keys that are missing. Error: POINSOT_E_METHOD for an unknown key, _SIZE for
+   !> a count, else _DOMAIN; of settings that stand in a file always _SCENE, with the place.
+   pure subroutine check_keys(info, settings, error, at)
       type(effect_info), intent(in) :: info    !! the row of the registry
       type(setting), intent(in) :: settings(:) !! checked against the row
       type(poinsot_error), intent(inout) :: error
-      integer :: i, j, k
+      type(settings_place), intent(in), optional :: at
+      integer :: i, k
       do i = 1, size(settings)
          k = find_key(info, settings(i)%key)
          if (k == 0) then
-            call raise(error, poinsot_e_method, "effect '" // trim(info%name) // &
-                       "': unknown key '" // settings(i)%key // "'" // &
-                       suggestion(settings(i)%key, info%keys%name))
-            return
+            call reject_unknown(info, settings, i, error, at)
+         else if (was_given(settings(:i - 1), settings(i)%key)) then
+            call reject_key(info, settings, settings(i)%key, "is given twice", error, at)
+         else
+            call check_one(info, info%keys(k), settings, i, error, at)
          end if
-         do j = 1, i - 1
-            if (settings(j)%key == settings(i)%key) then
-               call reject(info, info%keys(k), "is given twice", error)
-               return
-            end if
-         end do
-         call check_one(info, info%keys(k), settings(i), error)
          if (raised(error)) return
       end do
       do k = 1, size(info%keys)
          if (is_missing(info, k, settings)) then
-            call reject(info, info%keys(k), "is required: " // trim(info%keys(k)%meaning), error)
+            call reject_missing(info, info%keys(k), error, at)
          else if (is_double(info, k, settings)) then
-            call reject(info, info%keys(k), "is given instead of '" // &
-                        trim(info%keys(k)%instead_of) // "', not beside it", error)
+            call reject_key(info, settings, trim(info%keys(k)%name), "is given instead of '" // &
+                            trim(info%keys(k)%instead_of) // "', not beside it", error, at)
          end if
          if (raised(error)) return
       end do
@@ -152,46 +158,131 @@ contains
          was_given(settings, trim(info%keys(k)%instead_of))
    end function is_double
 
-   pure subroutine check_one(info, key, given, error)
+   pure subroutine check_one(info, key, settings, i, error, at)
       type(effect_info), intent(in) :: info
       type(effect_key), intent(in) :: key
-      type(setting), intent(in) :: given
+      type(setting), intent(in) :: settings(:)
+      integer, intent(in) :: i                      !! which of them
       type(poinsot_error), intent(inout) :: error
-      character(12) :: least, most
-      logical :: known
-      if (key%is_text .and. .not. allocated(given%text)) then
-         call reject(info, key, "takes a text", error)
-      else if (allocated(given%text) .and. .not. key%is_text) then
-         call reject(info, key, "takes numbers only", error)
-      else if (key%is_text) then
-         known = index(" " // trim(key%units) // " ", " " // given%text // " ") > 0
-         if (key%units /= "" .and. .not. known) then
-            call reject(info, key, "= '" // given%text // "' is not one of: " // &
-                        trim(key%units), error)
+      type(settings_place), intent(in), optional :: at
+      character(:), allocatable :: why
+      integer :: code
+      code = poinsot_e_domain
+      associate (given => settings(i))
+         if (key%is_text .and. .not. allocated(given%text)) then
+            why = "takes a text"
+         else if (allocated(given%text) .and. .not. key%is_text) then
+            why = "takes numbers only"
+         else if (key%is_text) then
+            if (key%units == "" .or. is_choice(given%text, trim(key%units))) return
+            why = "= " // quoted(given%text, at) // " is not one of: " // trim(key%units)
+         else if (.not. allocated(given%values)) then
+            why = "takes numbers, none is given"
+         else if (size(given%values) < key%least) then
+            why = "takes " // count_text(key) // ", too few are given"
+            code = poinsot_e_size
+         else if (key%most >= 0 .and. size(given%values) > key%most) then
+            why = "takes " // count_text(key) // ", more are given"
+            code = poinsot_e_size
+         else if (.not. all(ieee_is_finite(given%values))) then
+            why = "has a value that is not finite"
+         else
+            return
          end if
-      else if (.not. allocated(given%values)) then
-         call reject(info, key, "takes numbers, none is given", error)
-      else if (size(given%values) < key%least .or. (key%most >= 0 .and. size(given%values) &
-         > key%most)) then
-         write (least, "(i0)") key%least
-         write (most, "(i0)") key%most
-         if (key%most < 0) most = "more"
-         call reject(info, key, &
-                     "takes " // trim(least) // " to " // trim(most) // " numbers", error)
-         error%code = poinsot_e_size
-      else if (.not. all(ieee_is_finite(given%values))) then
-         call reject(info, key, "has a value that is not finite", error)
-      end if
+      end associate
+      call reject_key(info, settings, trim(key%name), why, error, at, code)
    end subroutine check_one
 
-   pure subroutine reject(info, key, why, error)
+   pure logical function is_choice(text, choices)
+      character(*), intent(in) :: text, choices
+      is_choice = len(text) > 0 .and. index(text, " ") == 0
+      if (is_choice) is_choice = index(" " // choices // " ", " " // text // " ") > 0
+   end function is_choice
+
+   !> "3 numbers", "1 to 3 numbers", "1 or more numbers"
+   pure function count_text(key) result(text)
+      type(effect_key), intent(in) :: key
+      character(:), allocatable :: text
+      character(11) :: digits
+      write (digits, "(i0)") key%least
+      text = trim(digits)
+      if (key%most < 0) then
+         text = text // " or more"
+      else if (key%most > key%least) then
+         write (digits, "(i0)") key%most
+         text = text // " to " // trim(digits)
+      end if
+      text = text // " number"
+      if (key%most /= 1) text = text // "s"
+   end function count_text
+
+   !> A text of the user's as messages of a program, or of a file, have it.
+   pure function quoted(text, at) result(marked)
+      character(*), intent(in) :: text
+      type(settings_place), intent(in), optional :: at
+      character(:), allocatable :: marked
+      marked = "'" // printable(text) // "'"
+      if (present(at)) marked = """" // printable(text) // """"
+   end function quoted
+
+   !> Setting i has a key that the group or effect does not know.
+   pure subroutine reject_unknown(info, settings, i, error, at)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      integer, intent(in) :: i
+      type(poinsot_error), intent(inout) :: error
+      type(settings_place), intent(in), optional :: at
+      character(:), allocatable :: what
+      what = "unknown key " // quoted(settings(i)%key, at)
+      if (present(at)) then
+         call raise(error, poinsot_e_scene, place(at%file, at%lines(i)) // "&" // at%group // &
+            ": " // what // suggestion(settings(i)%key, info%keys%name, """", """"))
+      else
+         call raise(error, poinsot_e_method, "effect '" // trim(info%name) // "': " // what // &
+            suggestion(settings(i)%key, info%keys%name))
+      end if
+   end subroutine reject_unknown
+
+   !> A required key is not there.
+   pure subroutine reject_missing(info, key, error, at)
       type(effect_info), intent(in) :: info
       type(effect_key), intent(in) :: key
-      character(*), intent(in) :: why
       type(poinsot_error), intent(inout) :: error
-      call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // "': key '" // &
-         trim(key%name) // "' " // why)
-   end subroutine reject
+      type(settings_place), intent(in), optional :: at
+      if (present(at)) then
+         call raise(error, poinsot_e_scene, place(at%file, at%line) // "&" // at%group // &
+            ": the key """ // trim(key%name) // """ is required: " // trim(key%meaning))
+      else
+         call raise(error, poinsot_e_domain, "effect '" // trim(info%name) // "': key '" // &
+            trim(key%name) // "' is required: " // trim(key%meaning))
+      end if
+   end subroutine reject_missing
+
+   !> What is wrong with a key: "effect 'x': key 'k' ...", or place and group of the file, with the
+   !> line of the key if it is there.
+   pure subroutine reject_key(info, settings, key, why, error, at, code)
+      type(effect_info), intent(in) :: info
+      type(setting), intent(in) :: settings(:)
+      character(*), intent(in) :: key                  !! its name
+      character(*), intent(in) :: why                  !! what is wrong and what would be right
+      type(poinsot_error), intent(inout) :: error
+      type(settings_place), intent(in), optional :: at
+      integer, intent(in), optional :: code            !! without a file; default _DOMAIN
+      integer :: i, line, status
+      status = poinsot_e_domain
+      if (present(code)) status = code
+      if (.not. present(at)) then
+         call raise(error, status, "effect '" // trim(info%name) // "': key '" // key // "' " // &
+                    why)
+         return
+      end if
+      line = at%line
+      do i = 1, size(settings)
+         if (settings(i)%key == key) line = at%lines(i)
+      end do
+      call raise(error, poinsot_e_scene, place(at%file, line) // "&" // at%group // ": " // &
+                 key // " " // why)
+   end subroutine reject_key
 
    !> Has the user said anything about this key?
    pure logical function was_given(settings, key)
@@ -217,9 +308,20 @@ contains
          return
       end do
       k = find_key(info, key)
-      allocate (values(merge(0, info%keys(k)%least, info%keys(k)%default == "")))
-      call trusted_reals(info%keys(k)%default, values)
+      call default_values(info%keys(k), values)
    end subroutine get_values
+
+   !> The default of a key as numbers; size 0 if there is none.
+   pure subroutine default_values(key, values)
+      type(effect_key), intent(in) :: key
+      real(dp), allocatable, intent(out) :: values(:)
+      if (key%default == "" .or. key%default == "required") then
+         allocate (values(0))
+      else
+         allocate (values(max(key%least, 1)))
+         call trusted_reals(key%default, values)
+      end if
+   end subroutine default_values
 
    !> The one number of a key that takes one.
    pure real(dp) function get_value(info, settings, key) result(value)
@@ -260,8 +362,7 @@ contains
          values = values/largest
          direction = values/norm2(values)
       else
-         call reject(info, info%keys(find_key(info, key)), &
-                     "is a direction and must not be zero", error)
+         call reject_key(info, settings, key, "is a direction and must not be zero", error)
       end if
    end subroutine get_direction
 

@@ -2,8 +2,8 @@
 module poinsot_scene_source
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise
+   use poinsot_core_message, only: from_option, place
    use poinsot_core_status, only: poinsot_e_scene
-   use poinsot_scene_text, only: text_of
    implicit none(type, external)
    private
    public :: scene_value, scene_entry, scene_group, scene_source
@@ -11,8 +11,6 @@ module poinsot_scene_source
    public :: from_option
    public :: append, place, reject, find_group, find_groups
 
-   integer, parameter :: from_option = -1 !! line of what stands on the command line, not in the
-                                          !! file
    integer, parameter :: value_null = 0, value_number = 1, value_logical = 2, value_text = 3
 
    !> One value as written, `repeats` times (Fortran's `3*0.0`; a null value leaves the default).
@@ -130,17 +128,6 @@ contains
          if (left == 0) return
       end do
    end function find_group
-
-   !> "file:line: " for a message; without a line (0) "file: "; of the command line (from_option)
-   !> "--set (over file): ".
-   pure function place(file, line) result(text)
-      character(*), intent(in) :: file !! its name
-      integer, intent(in) :: line
-      character(:), allocatable :: text
-      text = file // ": "
-      if (line > 0) text = file // ":" // text_of(line) // ": "
-      if (line == from_option) text = "--set (over " // file // "): "
-   end function place
 
    !> Raise POINSOT_E_SCENE with the place in front.
    pure subroutine reject(error, file, line, message)

@@ -1,6 +1,7 @@
 !> Words and numbers for people: lower case, numbers as short text that reads back to the same bits.
 module poinsot_scene_text
    use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_message, only: printable
    implicit none(type, external)
    private
    public :: lower, text_of, printable, joined, quoted, escaped, reason_of, next_word
@@ -104,25 +105,6 @@ contains
       end if
       if (minus) text = "-" // text
    end function decimal
-
-   !> Text safe to show on a terminal, in one line: other bytes as \xNN, at most 60 of them.
-   pure function printable(text) result(safe)
-      character(*), intent(in) :: text !! any bytes
-      character(:), allocatable :: safe
-      character(2) :: hex
-      integer :: i, code
-      safe = ""
-      do i = 1, min(len(text), 60)
-         code = iachar(text(i:i))
-         if (code >= 32 .and. code /= 127 .and. code < 128) then
-            safe = safe // text(i:i)
-         else
-            write (hex, "(z2.2)") iand(code, 255)
-            safe = safe // "\x" // hex
-         end if
-      end do
-      if (len(text) > 60) safe = safe // "..."
-   end function printable
 
    !> A printable text between double quotes.
    pure function quoted(text) result(marked)

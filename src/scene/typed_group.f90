@@ -3,12 +3,12 @@
 module poinsot_scene_typed_group
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
-   use poinsot_core_nearest, only: suggestion
-   use poinsot_core_number, only: trusted_reals
-   use poinsot_effect_settings, only: effect_info, effect_key, setting, is_missing
+   use poinsot_effect_settings, only: effect_info, effect_key, setting, settings_place, &
+      check_keys, reject_unknown, reject_setting => reject_key, find_key, default_values, &
+      get_values, get_text, was_given
    use poinsot_scene_text, only: text_of, quoted
-   use poinsot_scene_source, only: scene_value, scene_entry, scene_group, reject, &
-      value_null, value_number, value_text, value_logical
+   use poinsot_scene_source, only: scene_value, scene_entry, scene_group, value_null, &
+      value_number, value_text, value_logical
    implicit none(type, external)
    private
    public :: typed_group, type_group, given, number_of, numbers_of, word_of, integer_of, plain, &
@@ -47,13 +47,6 @@ contains
       allocate (typed%settings(group%count), typed%lines(group%count))
       found = 0
       do i = 1, group%count
-         k = find_key(info, group%entries(i)%key)
-         if (k == 0) then
-            call reject(error, file, group%entries(i)%line, "&" // group%name // &
-                        ": unknown key " // quoted(group%entries(i)%key) // &
-                        key_suggestion(info, group%entries(i)%key))
-            return
-         end if
          here = 0
          do j = 1, found
             if (typed%settings(j)%key == group%entries(i)%key) here = j
@@ -69,12 +62,27 @@ contains
             typed%settings(here)%key = group%entries(i)%key
             typed%lines(here) = group%entries(i)%line
          end if
-         call convert(typed, info%keys(k), group%entries(i), typed%settings(here), error)
+         k = find_key(info, group%entries(i)%key)
+         if (k == 0) then
+            call reject_unknown(info, typed%settings(:found), here, error, place_of(typed))
+         else
+            call convert(typed, info%keys(k), group%entries(i), typed%settings(here), error)
+         end if
          if (raised(error)) return
       end do
       typed%settings = typed%settings(:found)
-      call check_complete(typed, error)
+      call check_keys(info, typed%settings, error, place_of(typed))
+      if (.not. raised(error)) call check_places(typed, error)
    end subroutine type_group
+
+   pure function place_of(typed) result(at)
+      type(typed_group), intent(in) :: typed
+      type(settings_place) :: at
+      at%file = typed%file
+      at%group = typed%name
+      at%line = typed%line
+      if (allocated(typed%lines)) at%lines = typed%lines
+   end function place_of
 
    !> One entry into its setting.
    subroutine convert(typed, key, entry, item, error)
@@ -110,9 +118,6 @@ contains
                        " is not a text; put it in quotes", error)
       else
          item%text = trim(entry%values(1)%text)
-         if (key%units == "" .or. is_choice(item%text, trim(key%units))) return
-         call reject_key(typed, item%key, "= " // quoted(item%text) // " is not one of: " // &
-                       trim(key%units), error)
       end if
    end subroutine convert_text
 
@@ -140,12 +145,6 @@ contains
       is_logical = key%is_text .and. key%units == logical_choices
    end function is_logical
 
-   pure logical function is_choice(text, choices)
-      character(*), intent(in) :: text, choices
-      is_choice = len(text) > 0 .and. index(text, " ") == 0
-      if (is_choice) is_choice = index(" " // choices // " ", " " // text // " ") > 0
-   end function is_choice
-
    !> Numbers from the entry's subscript on; null values keep what is there, else the default.
    subroutine convert_numbers(typed, key, entry, item, error)
       type(typed_group), intent(in) :: typed
@@ -158,11 +157,12 @@ contains
       most = key%most
       if (most < 0) most = largest_list
       last = last_subscript(entry, most)
-      if (last > most) then
-         call reject_key(typed, item%key, "takes " // count_text(key) // ", more are given", error)
+      if (last > largest_list) then
+         call reject_key(typed, item%key, "takes at most " // text_of(largest_list) // &
+                         " numbers, more are given", error)
          return
       end if
-      call default_numbers(key, defaults)
+      call default_values(key, defaults)
       allocate (room(max(last, size(defaults))))
       room = huge(room) ! marks a place without a value: no scene holds a number beyond 1e307
       room(:size(defaults)) = defaults
@@ -200,97 +200,26 @@ contains
       end do
    end function last_subscript
 
-   !> The default of a key as numbers; size 0 if there is none.
-   subroutine default_numbers(key, values)
-      type(effect_key), intent(in) :: key
-      real(dp), allocatable, intent(out) :: values(:)
-      allocate (values(0))
-      if (key%default == "" .or. key%default == "required") return
-      deallocate (values)
-      allocate (values(max(key%least, 1)))
-      call trusted_reals(key%default, values)
-   end subroutine default_numbers
-
-   !> Every number there, enough of them, and every required key.
-   subroutine check_complete(typed, error)
+   !> Every place has a value, its default or the user's.
+   subroutine check_places(typed, error)
       type(typed_group), intent(in) :: typed
       type(poinsot_error), intent(inout) :: error
-      type(effect_key) :: key
       integer :: i
       do i = 1, size(typed%settings)
-         key = typed%info%keys(find_key(typed%info, typed%settings(i)%key))
-         if (key%is_text) cycle
-         if (size(typed%settings(i)%values) < key%least) then
-            call reject_key(typed, typed%settings(i)%key, "takes " // count_text(key) // &
-                          ", too few are given", error)
-            return
-         else if (any(typed%settings(i)%values == huge(1.0_dp))) then
-            call reject_key(typed, typed%settings(i)%key, &
-               "has a place without a value, and no " // &
-                          "default for it", error)
-            return
-         end if
-      end do
-      do i = 1, size(typed%info%keys)
-         if (.not. is_missing(typed%info, i, typed%settings)) cycle
-         call reject(error, typed%file, typed%line, "&" // typed%name // ": the key """ // &
-                     trim(typed%info%keys(i)%name) // """ is required: " // &
-                     trim(typed%info%keys(i)%meaning))
+         if (.not. allocated(typed%settings(i)%values)) cycle
+         if (.not. any(typed%settings(i)%values == huge(1.0_dp))) cycle
+         call reject_key(typed, typed%settings(i)%key, &
+            "has a place without a value, and no default for it", error)
          return
       end do
-   end subroutine check_complete
-
-   !> "3 numbers", "1 to 3 numbers", "1 or more numbers"
-   pure function count_text(key) result(text)
-      type(effect_key), intent(in) :: key
-      character(:), allocatable :: text
-      text = text_of(key%least)
-      if (key%most < 0) then
-         text = text // " to " // text_of(largest_list)
-      else if (key%most > key%least) then
-         text = text // " to " // text_of(key%most)
-      end if
-      text = text // " number"
-      if (key%most /= 1) text = text // "s"
-   end function count_text
-
-   pure function key_suggestion(info, name) result(text)
-      type(effect_info), intent(in) :: info
-      character(*), intent(in) :: name
-      character(:), allocatable :: text
-      character(len(info%keys%name)) :: names(size(info%keys))
-      integer :: k
-      do k = 1, size(names)
-         names(k) = info%keys(k)%name
-      end do
-      text = suggestion(name, names, """", """")
-   end function key_suggestion
-
-   pure integer function find_key(info, name) result(k)
-      type(effect_info), intent(in) :: info
-      character(*), intent(in) :: name
-      do k = 1, size(info%keys)
-         if (info%keys(k)%name == name) return
-      end do
-      k = 0
-   end function find_key
-
-   pure integer function find_setting(typed, key) result(k)
-      type(typed_group), intent(in) :: typed
-      character(*), intent(in) :: key
-      if (allocated(typed%settings)) then
-         do k = 1, size(typed%settings)
-            if (typed%settings(k)%key == key) return
-         end do
-      end if
-      k = 0
-   end function find_setting
+   end subroutine check_places
 
    !> Did the user give this key?
    pure logical function given(typed, key)
       type(typed_group), intent(in) :: typed !! keys with their values
       character(*), intent(in) :: key        !! its name
-      given = find_setting(typed, key) > 0
+      given = .false.
+      if (allocated(typed%settings)) given = was_given(typed%settings, key)
    end function given
 
    !> The numbers of a key, given or default; size 0 if there are none.
@@ -298,12 +227,11 @@ contains
       type(typed_group), intent(in) :: typed           !! keys with their values
       character(*), intent(in) :: key                  !! its name
       real(dp), allocatable, intent(out) :: values(:)
-      integer :: k
-      k = find_setting(typed, key)
-      if (k > 0) then
-         values = typed%settings(k)%values
+      type(setting) :: none(0)
+      if (allocated(typed%settings)) then
+         call get_values(typed%info, typed%settings, key, values)
       else
-         call default_numbers(typed%info%keys(find_key(typed%info, key)), values)
+         call get_values(typed%info, none, key, values)
       end if
    end subroutine numbers_of
 
@@ -322,12 +250,11 @@ contains
       type(typed_group), intent(in) :: typed !! keys with their values
       character(*), intent(in) :: key        !! its name
       character(:), allocatable :: text
-      integer :: k
-      k = find_setting(typed, key)
-      if (k > 0) then
-         text = typed%settings(k)%text
+      type(setting) :: none(0)
+      if (allocated(typed%settings)) then
+         text = get_text(typed%info, typed%settings, key)
       else
-         text = trim(typed%info%keys(find_key(typed%info, key))%default)
+         text = get_text(typed%info, none, key)
       end if
    end function word_of
 
@@ -371,11 +298,12 @@ contains
       character(*), intent(in) :: key        !! its name
       character(*), intent(in) :: message    !! what is wrong and what would be right
       type(poinsot_error), intent(inout) :: error
-      integer :: k, line
-      k = find_setting(typed, key)
-      line = typed%line
-      if (k > 0) line = typed%lines(k)
-      call reject(error, typed%file, line, "&" // typed%name // ": " // key // " " // message)
+      type(setting) :: none(0)
+      if (allocated(typed%settings)) then
+         call reject_setting(typed%info, typed%settings, key, message, error, place_of(typed))
+      else
+         call reject_setting(typed%info, none, key, message, error, place_of(typed))
+      end if
    end subroutine reject_key
 
    !> An error of the numerical library, with the place in front.
