@@ -8,7 +8,8 @@ module app_measured
    use app_arguments, only: word_list, option_value, is_option
    use app_codes, only: exit_ok, exit_usage, exit_of_run
    use app_run, only: unknown_option
-   use app_terminal, only: print_error
+   use app_progress, only: progress_watch
+   use app_terminal, only: print_error, error_is_terminal
    implicit none(type, external)
    private
    public :: command_properties, command_hard
@@ -22,10 +23,14 @@ contains
       type(word_list), intent(in) :: words !! what follows the command
       integer, intent(out) :: code         !! exit code
       type(poinsot_error) :: error
+      type(progress_watch) :: watch
       character(:), allocatable :: folder
       call read_folder("properties", words, folder, code)
       if (code /= exit_ok) return
-      call run_properties(folder, output_unit, error)
+      watch%shown = error_is_terminal()
+      watch%things = "methods"
+      call run_properties(folder, output_unit, watch, error)
+      call watch%wipe()
       call finish(error, code)
    end subroutine command_properties
 
@@ -34,11 +39,15 @@ contains
       type(word_list), intent(in) :: words !! what follows the command
       integer, intent(out) :: code         !! exit code
       type(poinsot_error) :: error
+      type(progress_watch) :: watch
       character(:), allocatable :: folder, only
       call read_folder("hard", words, folder, code, only)
       if (code /= exit_ok) return
       if (folder /= "") call claim_files(folder, ["hard.csv"], error) ! before minutes of work
-      if (.not. raised(error)) call run_hard(only, folder, output_unit, error)
+      watch%shown = error_is_terminal()
+      watch%things = "cases"
+      if (.not. raised(error)) call run_hard(only, folder, output_unit, watch, error)
+      call watch%wipe()
       call finish(error, code)
    end subroutine command_hard
 

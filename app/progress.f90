@@ -17,6 +17,7 @@ module app_progress
       logical :: dirty = .false.           !! the line has been written
       integer(i8) :: last = 0              !! clock at the last line
       character(9) :: clock = ""  !! of a study whose progress is its budget: wall, processor
+      character(9) :: things = "" !! of a study that counts: methods, cases
       integer(i8) :: begun = 0             !! clock at the first line of a run,
       real(dp) :: t_begun = 0              !! and the time that it had reached
    contains
@@ -53,15 +54,17 @@ contains
             self%begun = now
             self%t_begun = t
          end if
-         line = progress_line(t, t_end, self%t_begun, real(now - self%begun, dp)/real(rate, dp))
+         line = progress_line(trim(self%things), t, t_end, self%t_begun, &
+            real(now - self%begun, dp)/real(rate, dp))
          write (error_unit, "(a)", advance="no") achar(13) // line // &
             repeat(" ", max(0, 70 - len(line)))
       end if
       flush (error_unit)
    end subroutine report_progress
 
-   !> " 42 %  t = 4.2 of 10.0, 12 s left"
-   pure function progress_line(t, t_end, t_begun, seconds) result(line)
+   !> " 42 %  t = 4.2 of 10.0, 12 s left", or " 42 %  5 of 12 methods, 12 s left"
+   pure function progress_line(things, t, t_end, t_begun, seconds) result(line)
+      character(*), intent(in) :: things !! that are counted; "": time is
       real(dp), intent(in) :: t, t_end !! time reached, and that of the end
       real(dp), intent(in) :: t_begun  !! where the clock began
       real(dp), intent(in) :: seconds  !! since then
@@ -69,9 +72,13 @@ contains
       character(16) :: number
       real(dp) :: left
       write (number, "(i3)") int(100*t/t_end)
-      line = trim(number) // " %  t = "
-      write (number, "(g0.4)") t
-      line = line // trim(adjustl(number)) // " of " // text_of(t_end)
+      line = trim(number) // " %  "
+      if (things /= "") then
+         line = line // text_of(nint(t)) // " of " // text_of(nint(t_end)) // " " // things
+      else
+         write (number, "(g0.4)") t
+         line = line // "t = " // trim(adjustl(number)) // " of " // text_of(t_end)
+      end if
       if (seconds < 1 .or. .not. t > t_begun) return
       left = seconds*((t_end - t)/(t - t_begun))
       if (left >= 5400) then

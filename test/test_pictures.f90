@@ -5,7 +5,7 @@ module test_pictures
    use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_scene_build, only: build_scene
    use poinsot_scene_integrals, only: integral_list, scene_integrals
-   use poinsot_scene_pictures, only: picture_names
+   use poinsot_scene_pictures, only: picture_names, scene_files
    use poinsot_scene_plot_data, only: quoted_text
    use poinsot_scene_reader, only: read_source, scan_source
    use poinsot_scene_settings, only: scene_settings
@@ -27,6 +27,7 @@ contains
       testsuite = [ &
          new_unittest("several-kinds", several_kinds), &
          new_unittest("kinds-refused", kinds_refused), &
+         new_unittest("averages-are-drawn", averages_drawn), &
          new_unittest("integrals-of-shipped-scenes", shipped_integrals), &
          new_unittest("integrals-of-tops", top_integrals), &
          new_unittest("texts-for-gnuplot", gnuplot_texts)]
@@ -61,6 +62,32 @@ contains
             trim(texts(i)) // ": " // joined(found))
       end do
    end subroutine several_kinds
+
+   !> Observables have a picture of their own, which needs no trajectory.csv.
+   subroutine averages_drawn(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: texts(3) = [character(40) :: "", "format='npy'", &
+         "pictures='none'"]
+      character(*), parameter :: names(3) = [character(40) :: &
+         "attitude, momentum, drift, observables", "observables", ""]
+      character(*), parameter :: files(3) = [character(160) :: "", "trajectory.gp, common.gp, " // &
+         "plot_observables.gp, observables.svg, observables.png", ""]
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      character(16), allocatable :: found(:)
+      character(40), allocatable :: written(:)
+      integer :: i
+      do i = 1, size(texts)
+         call make(top // "&output every=0.5 observables=T " // trim(texts(i)) // " /", scene, &
+            failure)
+         call expect(error, .not. raised(failure), trim(texts(i)) // ": refused")
+         call picture_names(scene, found)
+         call expect(error, joined(found) == trim(names(i)), trim(texts(i)) // ": " // &
+            joined(found))
+         call scene_files(scene, written)
+         if (i > 1) call expect(error, joined(written) == trim(files(i)), joined(written))
+      end do
+   end subroutine averages_drawn
 
    subroutine kinds_refused(error)
       type(error_type), allocatable, intent(out) :: error

@@ -8,6 +8,7 @@ module test_properties
    use poinsot_study_defects, only: defects, measure_defects, plain_step
    use poinsot_core_error, only: poinsot_error
    use poinsot_splitting_registry, only: is_table, splitting_count
+   use poinsot_scene_watch, only: run_watch
    use poinsot_study_hard, only: run_hard
    use poinsot_study_hard_promises, only: promise_names
    use poinsot_study_hard_rows, only: hard_row, measure_rows, verdict_words
@@ -27,7 +28,21 @@ module test_properties
    private
    public :: collect_properties
 
+   !> Counts how often it is told how far a study is.
+   type, extends(run_watch) :: counting_watch
+      integer :: told = 0
+   contains
+      procedure :: report_progress
+   end type counting_watch
+
 contains
+
+   subroutine report_progress(self, t, t_end)
+      class(counting_watch), intent(inout) :: self
+      real(dp), intent(in) :: t, t_end
+      if (t >= 0 .and. t < t_end) self%told = self%told + 1
+   end subroutine report_progress
+
 
    subroutine collect_properties(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
@@ -137,22 +152,24 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(hard_row), allocatable :: rows(:)
       type(hard_row) :: row
+      type(counting_watch) :: watch
       type(poinsot_error) :: problem
       integer :: m, i, unit
       open (newunit=unit, status="scratch", action="readwrite")
       do i = 1, size(promise_names)
-         call measure_rows(trim(promise_names(i)), rows)
+         call measure_rows(trim(promise_names(i)), watch, rows)
          call judge_rows(error, rows, method_count())
          if (allocated(error)) return
       end do
       do i = 1, size(top_names)
-         call measure_rows(trim(top_names(i)), rows)
+         call measure_rows(trim(top_names(i)), watch, rows)
          call judge_rows(error, rows, count([(is_table(m), m=1, splitting_count())]))
          if (allocated(error)) return
       end do
-      call run_hard("srkn6", "", unit, problem)
+      call expect(error, watch%told, size(promise_names) + size(top_names), "cases told of")
+      call run_hard("srkn6", "", unit, watch, problem)
       call expect(error, problem%code, 0, "a verdict on srkn6 is bad")
-      call run_hard("seperatrix", "", unit, problem)
+      call run_hard("seperatrix", "", unit, watch, problem)
       call expect(error, index(problem%message, "'separatrix'") > 0, "an unknown name is taken")
       close (unit)
       if (allocated(error)) return

@@ -220,7 +220,8 @@ contains
                        refusal("&scene t_end=1e999 /", "not finite"), &
                        refusal("&scene t_end=1e99999999999 /", "not finite"), &
                        refusal("&scene t_end(0)=1 /", "subscript"), &
-                       refusal("&scene t_end(1:2)=1 /", "subscript"), &
+                       refusal("&scene t_end(2:1)=1 /", "a section, as in (1:3)"), &
+                       refusal("&scene t_end(1:4:2)=1 /", "a section, as in (1:3)"), &
                        refusal("&scene t_end=1.2.3 /", "neither a number"), &
                        refusal("&scene t_end==1 /", "not a value"), &
                        refusal("&scene t_end=" // char(200) // " /", "\xC8"), &
@@ -364,8 +365,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(scene_settings) :: scene
       type(poinsot_error) :: failure
-      character(*), parameter :: bad(6) = [character(24) :: "h=1", "scene.h", "scene.=1", ".h=1", &
-                                           "bodies.count=2", "bodies(3).count=2"]
+      character(*), parameter :: bad(8) = [character(24) :: "h=1", "scene.h", "scene.=1", ".h=1", &
+                                           "bodies.count=2", "bodies(3).count=2", &
+                                           "bodies(2).y(0)=1", "bodies(2).y(1:2)=1,2,3"]
       integer :: i
       call load("sleeping-top", &
                 "scene.method=dmv8;bodies(2).y=1,,3;SCENE.H = 0.25;output.every=2*", scene, failure)
@@ -377,6 +379,10 @@ contains
       call expect(error, scene%method == "dmv8" .and. abs(scene%h - 0.25_dp) <= 0 .and. &
                  all(abs(scene%bodies(2)%y - [1, 2, 3]) <= 0) .and. &
                  abs(scene%bodies(1)%y(3) - 2.2_dp) <= 0, "values")
+      call load("sleeping-top", "bodies(2).y(2)=7;bodies(2).Y(1:1)=5", scene, failure)
+      call expect(error, .not. raised(failure), "subscripts refused")
+      call expect(error, all(abs(scene%bodies(2)%y(1:2) - [5, 7]) <= 0) .and. &
+         abs(scene%bodies(2)%y(3)) > 0, "only the numbers of the subscripts")
       do i = 1, size(bad)
          call clear(failure)
          call load("sleeping-top", trim(bad(i)), scene, failure)

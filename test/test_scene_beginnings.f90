@@ -29,6 +29,7 @@ contains
          new_unittest("states-from-a-file", test_states), &
          new_unittest("lattice-of-bodies", test_lattice), &
          new_unittest("branch-of-a-restart", test_branch), &
+         new_unittest("sections-of-a-list", test_sections), &
          new_unittest("beginnings-refused", test_refused)]
    end subroutine collect_scene_beginnings
 
@@ -41,6 +42,38 @@ contains
       call make_scene(run // "&bodies " // words // " /", scene, failure)
       if (raised(failure)) call expect(error, .false., words // ": " // failure%message)
    end subroutine bodies_of
+
+   !> Numbers by sections, as a namelist written by a program has them.
+   subroutine test_sections(error)
+      type(error_type), allocatable, intent(out) :: error
+      call same("moments(1:3)=1,2,2.5 y(:)=3*0.5")
+      call same("moments(:3) = 1 2 2.5, y(1:) = .5, .5 .5")
+      call same("moments(1:2)=1,2 moments(3)=2.5 y(1:1)=0.5 y( 2 : 3 )=2*0.5")
+      call same("moments=1,2,7 moments(3:3)=2.5 y=7,7,0.5 y(1:2)=0.5,0.5")
+      call refused("moments(1:2)=1,2,2.5", "(1:2) has room for 2 numbers, more are given")
+      call refused("moments(2:3)=1,2", "has a place without a value")
+      call refused("moments(1:4)=1,2,2.5,3", "takes 3 numbers")
+
+   contains
+
+      subroutine same(words)
+         character(*), intent(in) :: words
+         type(scene_settings) :: scene
+         call bodies_of(words, scene, error)
+         if (allocated(error)) return
+         call within(error, norm2(scene%bodies(1)%moments - [1.0_dp, 2.0_dp, 2.5_dp]), 0.0_dp, words)
+         call within(error, norm2(scene%bodies(1)%y - 0.5_dp), 0.0_dp, words)
+      end subroutine same
+
+      subroutine refused(words, message)
+         character(*), intent(in) :: words, message
+         type(scene_settings) :: scene
+         type(poinsot_error) :: failure
+         call make_scene(run // "&bodies " // words // " /", scene, failure)
+         call expect(error, index(failure%message, message) > 0, words // ": " // failure%message)
+      end subroutine refused
+
+   end subroutine test_sections
 
    !> Euler angles in named conventions, axis and angle, in radians and in degrees.
    subroutine test_angles(error)

@@ -1,15 +1,18 @@
 !> A place in the text of a scene file, and the small steps of the reader: over blanks and comments,
-!> over a name.
+!> over a name, over a subscript.
 module poinsot_scene_cursor
+   use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error
+   use poinsot_core_number, only: parse_integer, number_ok
    use poinsot_scene_text, only: lower, text_of
    use poinsot_scene_source, only: scene_entry, reject
    implicit none(type, external)
    private
-   public :: cursor, open_cursor, skip, word_at, scan_name, reject_key
+   public :: cursor, open_cursor, skip, word_at, scan_name, scan_subscript, reject_key
    public :: newline, tab, letters, name_set, longest_name
 
    integer, parameter :: longest_name = 63 !! of a group or a key
+   integer, parameter :: largest_subscript = 100000000
    character, parameter :: newline = achar(10), tab = achar(9)
    character(*), parameter :: letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_"
    character(*), parameter :: name_set = letters // "0123456789" !! what a name is made of
@@ -107,6 +110,54 @@ contains
       name = lower(here%text(here%at:here%at + length - 1))
       here%at = here%at + length
    end subroutine scan_name
+
+   !> An optional (i), or a section (i:j) whose bounds may be left out.
+   subroutine scan_subscript(here, group, entry, error)
+      type(cursor), intent(inout) :: here !! moves on
+      character(*), intent(in) :: group   !! its name
+      type(scene_entry), intent(inout) :: entry
+      type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: inside
+      integer :: last, colon
+      logical :: good
+      if (here%at > len(here%text)) return
+      if (here%text(here%at:here%at) /= "(") return
+      last = scan(here%text(here%at:), ")" // newline)
+      if (last == 0) last = 1
+      inside = here%text(here%at + 1:here%at + last - 2)
+      colon = index(inside, ":")
+      if (colon == 0) then
+         call read_bound(inside, 0, entry%first, good)
+      else
+         call read_bound(inside(:colon - 1), 1, entry%first, good)
+         if (good) call read_bound(inside(colon + 1:), largest_subscript, entry%last, good)
+         good = good .and. entry%last >= entry%first
+      end if
+      if (.not. good) then
+         call reject_key(here, group, entry, ": in ( ) stands one positive subscript, as in " // &
+                         "(2), or a section, as in (1:3)", error)
+         return
+      end if
+      entry%subscripted = .true.
+      here%at = here%at + last
+   end subroutine scan_subscript
+
+   !> A positive subscript; `default` if nothing is there, unless that is 0.
+   subroutine read_bound(text, default, bound, good)
+      character(*), intent(in) :: text
+      integer, intent(in) :: default
+      integer, intent(out) :: bound
+      logical, intent(out) :: good
+      integer(i8) :: number
+      integer :: outcome
+      bound = default
+      good = default > 0
+      if (len_trim(text) == 0) return
+      call parse_integer(trim(adjustl(text)), number, outcome)
+      good = outcome == number_ok
+      if (good) good = number >= 1 .and. number <= largest_subscript
+      if (good) bound = int(number)
+   end subroutine read_bound
 
    !> Raise POINSOT_E_SCENE naming file, line, group and key.
    subroutine reject_key(here, group, entry, message, error)

@@ -5,6 +5,7 @@ module poinsot_scene_override
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: lower, quoted, text_of
    use poinsot_core_number, only: parse_integer, number_ok
+   use poinsot_scene_cursor, only: cursor, open_cursor, scan_name, scan_subscript
    use poinsot_scene_values, only: scan_values
    use poinsot_scene_source, only: scene_source, scene_group, scene_entry, append, find_group, &
       reject, from_option
@@ -17,6 +18,7 @@ module poinsot_scene_override
 contains
 
    !> Put one setting in, over the file's own value of that key; a group that is not there is added.
+   !> `bodies.y(2)=1` is over the second number of the key alone.
    !> `bodies(2).key=value` names the second &bodies group; so with any group that is repeated.
    !> Error: POINSOT_E_SCENE for what is not
    !> of that form; whether group and key exist is found out when the scene is built.
@@ -36,8 +38,8 @@ contains
       end if
       group = lower(trim(adjustl(text(:dot - 1))))
       entry%line = from_option
-      entry%key = lower(trim(adjustl(text(dot + 1:equals - 1))))
-      call take_number(group, nth, error)
+      call take_key(text(dot + 1:equals - 1), group, entry, error)
+      if (.not. raised(error)) call take_number(group, nth, error)
       if (.not. raised(error)) call scan_values(text(equals + 1:), place, group, entry, error)
       if (raised(error)) return
       if (nth == 0 .and. find_group(source, group, 2) > 0) then
@@ -47,6 +49,21 @@ contains
       end if
       call put_entry(source, group, max(nth, 1), entry, error)
    end subroutine override
+
+   !> "moments", "moments(2)", "moments(1:2)": the key, and which of its numbers. What is no name is
+   !> left as it is: an unknown key.
+   subroutine take_key(text, group, entry, error)
+      character(*), intent(in) :: text, group
+      type(scene_entry), intent(inout) :: entry
+      type(poinsot_error), intent(inout) :: error
+      type(cursor) :: here
+      call open_cursor(trim(adjustl(text)), place, here, error)
+      if (raised(error)) return
+      here%line = 0
+      call scan_name(here, entry%key)
+      call scan_subscript(here, group, entry, error)
+      if (here%at <= len(here%text)) entry%key = lower(here%text)
+   end subroutine take_key
 
    !> "bodies(2)" into "bodies" and 2; 0 if there is no number.
    subroutine take_number(group, nth, error)
@@ -95,7 +112,7 @@ contains
       end if
       kept = 0
       do i = 1, source%groups(k)%count
-         if (source%groups(k)%entries(i)%key == entry%key) cycle
+         if (source%groups(k)%entries(i)%key == entry%key .and. .not. entry%subscripted) cycle
          kept = kept + 1
          if (kept < i) source%groups(k)%entries(kept) = source%groups(k)%entries(i)
       end do

@@ -13,8 +13,10 @@ module poinsot_scene_pictures
    private
    public :: write_pictures, picture_names, picture_files, scene_files
 
-   character(*), parameter :: all_names(8) = [character(16) :: "attitude", "momentum", "drift", &
-                                              "nutation", "tilt", "angle", "temperature", "momenta"]
+   character(*), parameter :: averages = "observables" !! the one that needs no trajectory.csv
+   character(*), parameter :: all_names(9) = [character(16) :: "attitude", "momentum", "drift", &
+                                              "nutation", "tilt", "angle", "temperature", &
+                                              "momenta", averages]
    character(*), parameter :: shared(4) = [character(16) :: "trajectory.gp", "motion.gp", &
                                            "common.gp", "ends.gp"]
 
@@ -27,13 +29,14 @@ contains
       character(16), allocatable, intent(out) :: names(:)
       character(:), allocatable :: rest, kind
       allocate (names(0))
-      if (.not. (scene%output%present .and. scene%output%csv)) return
-      rest = scene%output%pictures
+      if (.not. scene%output%present .or. scene%output%pictures == "none") return
+      rest = ""
+      if (scene%output%csv) rest = scene%output%pictures
       do
          call next_word(rest, kind)
          select case (kind)
          case ("")
-            return
+            exit
          case ("body")
             call add([character(16) :: "attitude", "momentum", "drift"])
          case ("top")
@@ -48,10 +51,9 @@ contains
             else
                call add([character(16) :: "drift"])
             end if
-         case default
-            continue ! none
          end select
       end do
+      if (scene%output%observables) call add([character(16) :: averages])
 
    contains
 
@@ -74,7 +76,8 @@ contains
       integer :: i
       call picture_names(scene, pictures)
       allocate (names(0))
-      if (size(pictures) > 0) names = [character(40) :: shared(:3)]
+      if (size(pictures) > 0) names = [character(40) :: shared(1), shared(3)]
+      if (any(pictures /= averages)) names = [character(40) :: shared(:3)]
       if (any(pictures == "tilt" .or. pictures == "angle")) names = [character(40) :: names, &
                                                                      shared(4)]
       do i = 1, size(pictures)

@@ -3,27 +3,23 @@
 !> do not).
 !>
 !> The subset of namelist input that is read: `&name key = values / ` with any case;
-!> `key(i) = values` from subscript i; values apart by blanks, line ends or one comma; nothing
+!> `key(i) = values` from subscript i, `key(i:j) = values` to subscript j; values apart by blanks, line ends or one comma; nothing
 !> between two commas is a null value (the default stays), as is `3*`; `3*0.0` repeats; numbers
 !> with e or d; .true. .false. t f; strings in ' or " with the quote doubled inside, closed on their
 !> own line; comments from ! to the line's end; /, or &end, closes. Lines end in LF, CRLF or CR.
-!> Bytes beyond ASCII are welcome in comments and strings. Not read: unquoted words, sections
-!> a(i:j), text between groups.
+!> Bytes beyond ASCII are welcome in comments and strings. Not read: unquoted words, sections with
+!> a stride, text between groups.
 module poinsot_scene_reader
-   use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: text_of, quoted
-   use poinsot_core_number, only: parse_integer, number_ok
    use poinsot_scene_source, only: scene_entry, scene_group, scene_source, append, reject
    use poinsot_scene_load, only: load_text
-   use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, scan_name, reject_key, &
-      newline, longest_name
+   use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, scan_name, &
+      scan_subscript, reject_key, longest_name
    use poinsot_scene_values, only: scan_list
    implicit none(type, external)
    private
    public :: read_source, scan_source
-
-   integer(i8), parameter :: largest_subscript = 100000000_i8
 
 contains
 
@@ -112,7 +108,7 @@ contains
       end do
    end subroutine scan_group
 
-   !> `key = values` or `key(i) = values`.
+   !> `key = values`, `key(i) = values` or `key(i:j) = values`.
    subroutine scan_entry(here, group, entry, error)
       type(cursor), intent(inout) :: here
       character(*), intent(in) :: group
@@ -140,28 +136,5 @@ contains
       call reject(error, here%file, entry%line, "&" // group // ": " // quoted(entry%key) // &
                   " is not followed by = (is a string without its quotes?)")
    end subroutine scan_entry
-
-   !> An optional (i).
-   subroutine scan_subscript(here, group, entry, error)
-      type(cursor), intent(inout) :: here
-      character(*), intent(in) :: group
-      type(scene_entry), intent(inout) :: entry
-      type(poinsot_error), intent(inout) :: error
-      integer :: last, outcome
-      integer(i8) :: number
-      if (here%at > len(here%text)) return
-      if (here%text(here%at:here%at) /= "(") return
-      last = scan(here%text(here%at:), ")" // newline)
-      if (last == 0) last = 1
-      call parse_integer(trim(adjustl(here%text(here%at + 1:here%at + last - 2))), number, outcome)
-      if (outcome /= number_ok .or. number < 1 .or. number > largest_subscript) then
-         call reject_key(here, group, entry, ": the subscript is not one positive " // &
-                       "number in ( )", error)
-         return
-      end if
-      entry%first = int(number)
-      entry%subscripted = .true.
-      here%at = here%at + last
-   end subroutine scan_subscript
 
 end module poinsot_scene_reader

@@ -22,11 +22,12 @@ module poinsot_scene_source
       character(:), allocatable :: text !! as written; of a string, what is between its quotes
    end type scene_value
 
-   !> `key(first) = values`
+   !> `key(first) = values`, or `key(first:last) = values`
    type :: scene_entry
       character(:), allocatable :: key !! lower case
       integer :: line = 0
       integer :: first = 1             !! subscript of the first value
+      integer :: last = huge(1)        !! of the last that a section has room for
       logical :: subscripted = .false.
       integer :: count = 0             !! how many of `values` are in use
       type(scene_value), allocatable :: values(:)

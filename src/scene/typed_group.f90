@@ -162,6 +162,12 @@ contains
                          " numbers, more are given", error)
          return
       end if
+      if (last > entry%last) then
+         call reject_key(typed, item%key, "(" // text_of(entry%first) // ":" // &
+            text_of(entry%last) // ") has room for " // text_of(entry%last - entry%first + 1) // &
+            " numbers, more are given", error)
+         return
+      end if
       call default_values(key, defaults)
       allocate (room(max(last, size(defaults))))
       room = huge(room) ! marks a place without a value: no scene holds a number beyond 1e307

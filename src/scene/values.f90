@@ -81,7 +81,7 @@ contains
       end do
    end subroutine scan_values
 
-   !> Is this `key =` or `key(i) =`, not a value?
+   !> Is this `key =`, `key(i) =` or `key(i:j) =`, not a value?
    logical function key_ahead(here)
       type(cursor), intent(in) :: here
       integer :: at
@@ -91,7 +91,7 @@ contains
       at = after(here%text, at, blanks)
       if (at > len(here%text)) return
       if (here%text(at:at) == "(") then
-         at = after(here%text, at + 1, "0123456789" // blanks)
+         at = after(here%text, at + 1, "0123456789:" // blanks)
          if (at > len(here%text)) return
          if (here%text(at:at) /= ")") return
          at = after(here%text, at + 1, blanks)

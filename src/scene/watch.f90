@@ -11,6 +11,7 @@ module poinsot_scene_watch
    contains
       procedure :: stop_now
       procedure :: report_progress
+      procedure :: wipe
    end type run_watch
 
 contains
@@ -31,5 +32,12 @@ contains
       associate (unused_1 => self, unused_2 => t, unused_3 => t_end)
       end associate
    end subroutine report_progress
+
+   !> Make room on the terminal: a line of a table follows.
+   subroutine wipe(self)
+      class(run_watch), intent(inout) :: self
+      associate (unused => self)
+      end associate
+   end subroutine wipe
 
 end module poinsot_scene_watch

@@ -7,6 +7,7 @@ module poinsot_study_hard
    use poinsot_core_status, only: poinsot_e_convergence, poinsot_e_method
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_scene_files, only: out_file, make_folder, open_out, put, finish_out
+   use poinsot_scene_watch, only: run_watch
    use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names, kind_about, cases_of_kind
    use poinsot_study_hard_kinds, only: approach_names
@@ -24,17 +25,19 @@ contains
    !> Everything, or one case, method or splitting in full; tables on `unit`, DIR/hard.csv if there
    !> is a DIR. Error: POINSOT_E_METHOD for an unknown name, POINSOT_E_IO, POINSOT_E_CONVERGENCE if
    !> a verdict is bad.
-   subroutine run_hard(only, folder, unit, error)
+   subroutine run_hard(only, folder, unit, watch, error)
       character(*), intent(in) :: only               !! a name; "": everything, as tables
       character(*), intent(in) :: folder             !! where the file goes; "": nowhere
       integer, intent(in) :: unit                    !! open for formatted writing
+      class(run_watch), intent(inout) :: watch       !! told how many cases are done
       type(poinsot_error), intent(inout) :: error
       type(hard_row), allocatable :: rows(:)
       character(60) :: text
       integer :: i, bad
       call check_name(only, error)
       if (raised(error)) return
-      call measure_rows(only, rows)
+      call measure_rows(only, watch, rows)
+      call watch%wipe()
       if (only == "") then
          call show_kinds(unit, rows)
          call show_promises(unit, rows)

@@ -2,6 +2,7 @@
 module poinsot_study_hard_rows
    use poinsot_core_kinds, only: dp, name_length
    use poinsot_free_method, only: method_count, method_name
+   use poinsot_scene_watch, only: run_watch
    use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names
    use poinsot_study_hard_kinds, only: hard_result, judge_kind, approaches, approach_names
@@ -26,8 +27,9 @@ module poinsot_study_hard_rows
 contains
 
    !> All rows, or those of a case, method or splitting.
-   subroutine measure_rows(only, rows)
+   subroutine measure_rows(only, watch, rows)
       character(*), intent(in) :: only                      !! "": all
+      class(run_watch), intent(inout) :: watch              !! told how many cases are done
       type(hard_row), allocatable, intent(out) :: rows(:)
       type(hard_result) :: results(method_count(), approaches)
       type(hard_row) :: row
@@ -35,6 +37,7 @@ contains
       allocate (rows(0))
       do k = 1, size(kind_names)
          if (is_case(only) .and. only /= kind_names(k)) cycle
+         call tell(k - 1)
          call judge_kind(k, results)
          do m = 1, method_count()
             do w = 1, approaches
@@ -48,6 +51,7 @@ contains
       end do
       do k = 1, size(promise_names)
          if (is_case(only) .and. only /= promise_names(k)) cycle
+         call tell(size(kind_names) + k - 1)
          do m = 1, method_count()
             row = hard_row(promise_names(k), method_name(m))
             row%figure = measure_promise(k, method_name(m))
@@ -57,6 +61,7 @@ contains
       end do
       do k = 1, size(top_names)
          if (is_case(only) .and. only /= top_names(k)) cycle
+         call tell(size(kind_names) + size(promise_names) + k - 1)
          do m = 1, splitting_count()
             if (.not. is_table(m)) cycle
             row = hard_row(top_names(k), splitting_name(m))
@@ -67,6 +72,12 @@ contains
       end do
 
    contains
+
+      subroutine tell(done)
+         integer, intent(in) :: done
+         call watch%report_progress(real(done, dp), real(size(kind_names) + size(promise_names) + &
+            size(top_names), dp))
+      end subroutine tell
 
       subroutine judge(bound)
          real(dp), intent(in) :: bound

@@ -13,6 +13,7 @@ module poinsot_study_properties
    use poinsot_rotation_quaternion, only: rotate
    use poinsot_scene_claim, only: claim_files
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
+   use poinsot_scene_watch, only: run_watch
    use poinsot_study_defects, only: defects, measure_defects, plain_step
    use poinsot_study_maps, only: has_map
    use poinsot_study_write_line, only: write_line
@@ -73,9 +74,10 @@ contains
 
    !> Measure all methods; a table on `unit`, DIR/properties.csv if there is a DIR. Error:
    !> POINSOT_E_IO.
-   subroutine run_properties(folder, unit, error)
+   subroutine run_properties(folder, unit, watch, error)
       character(*), intent(in) :: folder             !! where the file goes; "": nowhere
       integer, intent(in) :: unit                    !! open for formatted writing
+      class(run_watch), intent(inout) :: watch       !! told how many methods are done
       type(poinsot_error), intent(inout) :: error
       type(method_properties) :: row
       type(out_file) :: file
@@ -90,7 +92,9 @@ contains
       call show_head(unit)
       said = 0
       do i = 1, method_count()
+         call watch%report_progress(real(i - 1, dp), real(method_count(), dp))
          call measure_method(method_name(i), row, error)
+         call watch%wipe()
          if (raised(error)) return
          call show_row(unit, row)
          call compare_with_review(row, contradictions, said)
