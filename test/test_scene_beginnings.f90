@@ -61,7 +61,8 @@ contains
          type(scene_settings) :: scene
          call bodies_of(words, scene, error)
          if (allocated(error)) return
-         call within(error, norm2(scene%bodies(1)%moments - [1.0_dp, 2.0_dp, 2.5_dp]), 0.0_dp, words)
+         call within(error, norm2(scene%bodies(1)%moments - [1.0_dp, 2.0_dp, 2.5_dp]), 0.0_dp, &
+            words)
          call within(error, norm2(scene%bodies(1)%y - 0.5_dp), 0.0_dp, words)
       end subroutine same
 

@@ -34,9 +34,8 @@ contains
       if (scene%output%csv) rest = scene%output%pictures
       do
          call next_word(rest, kind)
+         if (kind == "") exit
          select case (kind)
-         case ("")
-            exit
          case ("body")
             call add([character(16) :: "attitude", "momentum", "drift"])
          case ("top")
@@ -51,6 +50,8 @@ contains
             else
                call add([character(16) :: "drift"])
             end if
+         case default
+            continue
          end select
       end do
       if (scene%output%observables) call add([character(16) :: averages])

@@ -3,12 +3,12 @@
 !> do not).
 !>
 !> The subset of namelist input that is read: `&name key = values / ` with any case;
-!> `key(i) = values` from subscript i, `key(i:j) = values` to subscript j; values apart by blanks, line ends or one comma; nothing
-!> between two commas is a null value (the default stays), as is `3*`; `3*0.0` repeats; numbers
-!> with e or d; .true. .false. t f; strings in ' or " with the quote doubled inside, closed on their
-!> own line; comments from ! to the line's end; /, or &end, closes. Lines end in LF, CRLF or CR.
-!> Bytes beyond ASCII are welcome in comments and strings. Not read: unquoted words, sections with
-!> a stride, text between groups.
+!> `key(i) = values` from subscript i, `key(i:j) = values` to subscript j; values apart by blanks,
+!> line ends or one comma; nothing between two commas is a null value (the default stays), as is
+!> `3*`; `3*0.0` repeats; numbers with e or d; .true. .false. t f; strings in ' or " with the quote
+!> doubled inside, closed on their own line; comments from ! to the line's end; /, or &end, closes.
+!> Lines end in LF, CRLF or CR. Bytes beyond ASCII are welcome in comments and strings. Not read:
+!> unquoted words, sections with a stride, text between groups.
 module poinsot_scene_reader
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: text_of, quoted
