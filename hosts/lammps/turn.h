@@ -1,0 +1,45 @@
+// What both fixes share: a plan, made for a method and a number of threads, and bodies whose moments are known one by one.
+#ifndef POINSOT_LAMMPS_TURN_H
+#define POINSOT_LAMMPS_TURN_H
+
+#include <poinsot.h>
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace poinsot_lammps {
+
+class Turn {
+ public:
+  explicit Turn(const std::string &method) : method_(method) {}
+  Turn(const Turn &) = delete;
+  Turn &operator=(const Turn &) = delete;
+  ~Turn() { poinsot_plan_destroy(&plan_); }
+
+  // Make the plan; "" or what is wrong, as a sentence. To be called before each run: threads may have changed.
+  std::string prepare(int threads);
+
+  // Turn the bodies of a view with space-frame momenta freely over h, each by the moments that the view has for it. "", or what is wrong,
+  // and *first the number in the view of the first body that failed (-1: it is none's fault).
+  std::string turn(poinsot_bodies view, double h, long *first);
+
+ private:
+  std::string make_plan(const std::vector<std::array<double, 3>> &classes);
+  std::string find_classes(poinsot_bodies *view);
+
+  std::string method_;
+  int threads_ = 1;
+  poinsot_plan *plan_ = nullptr;
+  std::vector<poinsot_status> status_;
+  // Methods other than exact and jacobi know bodies by classes: one for each set of moments seen so far.
+  bool by_class_ = false;
+  std::map<std::array<double, 3>, int> known_;
+  std::vector<std::array<double, 3>> classes_;
+  std::vector<int> class_of_;
+};
+
+} // namespace poinsot_lammps
+
+#endif
