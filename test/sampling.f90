@@ -169,8 +169,8 @@ contains
       end do
    end subroutine test_bias
 
-   !> The table of docs/mathematics.md. srkn4, without bias and six times as dear, is left out at the
-   !> smallest h.
+   !> The table of docs/mathematics.md. srkn4, without bias and six times as dear, is left out at
+   !> the smallest h.
    subroutine test_bias_deep(error)
       type(error_type), allocatable, intent(out) :: error
       character(6), parameter :: schemes(3) = [character(6) :: "strang", "baoab", "srkn4"]

@@ -93,7 +93,8 @@ contains
       end if
       if (report%splitting == "baoab" .and. index(effects, "langevin") > 0) then
          call row(file, "momenta", "are those at ends of steps, which baoab leaves cold by " // &
-                  "O(h^2); right after the noise they are not; attitudes are sampled best so", error)
+                  "O(h^2), those right after the noise are not; attitudes are sampled best so", &
+                  error)
       end if
       if (report%splitting == "taylor") call row(file, "tolerance", text_of(scene%tolerance), error)
       if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
