@@ -3,9 +3,7 @@
 !>
 !> With Q1 = Q0 W the first two lines of (11) say W D - D W^T = h y^, y^ = Q^T P - P^T Q after the
 !> first kick: the six multipliers are eliminated, they are the symmetric part of what is left. This
-!> Moser-Veselov equation is solved as McLachlan and Zanna (Found. Comput. Math. 5, 87, 2005) and
-!> Lewis and Simo (Fields Inst. Commun. 10, 121, 1996) do: W is the Cayley transform of a vector e,
-!> and Newton's method finds e.
+!> Moser-Veselov equation is solved for the Cayley vector of W.
 !>
 !> (11) as printed divides by D. Nothing here does: only W D, D W^T and P = Q omega^ D are formed,
 !> and the column of Q1 that a zero d_k leaves open follows from Q1^T Q1 = 1. So a flat body (one
@@ -18,21 +16,17 @@
 !> would make |y| drift linearly.
 module poinsot_free_rattle
    use poinsot_core_constants, only: quarter_turn
-   use poinsot_core_kinds, only: dp, i8, group, groups, lanes
-   use poinsot_core_lanes, only: largest, smallest
+   use poinsot_core_kinds, only: dp, group, groups, lanes
+   use poinsot_core_lanes, only: smallest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence
    use poinsot_body_class, only: body_class
+   use poinsot_free_cayley_vector, only: find_cayley_vector
    use poinsot_free_exact_step, only: step_sizes
    use poinsot_rotation_conversions, only: to_matrix, from_matrix
    implicit none(type, external)
    private
    public :: rattle_increment, rattle_start, rattle_finish
    public :: second_moments, to_matrices, from_matrices, body_momentum
-
-
-   !> Newton sweeps that reach rounding, from e = z: 2 up to the first of these (h |omega|)^2, 3 up
-   !> to the second, ...
-   real(dp), parameter :: sweep_bound(3) = [0.002_dp**2, 0.1_dp**2, 0.8_dp**2]
 
 contains
 
@@ -259,14 +253,15 @@ contains
    ! The Moser-Veselov equation
    ! -----------------------------------------------------------------------------------------------
 
-   !> The orthogonal W with W D - D W^T = h y^, as W = 1 + even + axial^, even symmetric. 1 + even +
-   !> axial^ = 1 in a lane with h = 0.
+   !> The orthogonal W with W D - D W^T = h y^, as W = 1 + even + axial^, even symmetric; W = 1 in a
+   !> lane with h = 0. The axial part of the equation, times (1 + |e|^2)/4, is that of the Cayley
+   !> vector e.
    pure subroutine turn_of_step(class, h, y, even, axial, status)
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
       real(dp), intent(out) :: even(lanes, 3, 3), axial(lanes, 3)
       integer, intent(inout) :: status(lanes)
-      real(dp) :: w(lanes, 3), z(lanes, 3), e(lanes, 3), ratio(3)
+      real(dp) :: w(lanes, 3), z(lanes, 3), e(lanes, 3), kappa(lanes, 3), ratio(3)
       real(dp), dimension(lanes) :: p, r, live, found, ee
       integer :: j, k
 
@@ -279,7 +274,8 @@ contains
       end do
       z(:, class%order) = class%parity*z
       call skew_ratios(class, ratio)
-      call solve(ratio, p, z, e, found)
+      kappa = spread(ratio, 1, lanes)
+      call find_cayley_vector(groups, 1.0_dp, p, z, kappa, e, found)
       if (smallest(groups, found) < 1) where (found < 1 &
          .and. status == poinsot_ok) status = poinsot_e_convergence
       ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
@@ -321,72 +317,5 @@ contains
          v(:, j, k) = v(:, j, k) - axial(:, i)
       end do
    end subroutine add_skew
-
-   !> The Cayley vector: e_i + ratio_i e_j e_k = (1 + |e|^2) z_i, the axial part of the equation
-   !> times (1 + |e|^2)/4, by Newton's method with a number of sweeps fixed beforehand, and for a
-   !> lane that they do not take to its root, where two roots lie close, with more. `found` = 0
-   !> where the last sweep still moved, or |e| >= 1.
-   pure subroutine solve(ratio, size, z, e, found)
-      real(dp), intent(in) :: ratio(3), size(lanes), z(lanes, 3)
-      real(dp), intent(out) :: e(lanes, 3), found(lanes)
-      real(dp) :: sweeps(lanes), moved(lanes), ee(lanes)
-      integer :: k
-      real(dp), parameter :: tolerance = 1e-14_dp
-      integer, parameter :: more = 24
-      sweeps = 2 + merge(1, 0, size > sweep_bound(1)) + merge(1, 0, size > sweep_bound(2)) &
-               + merge(5, 0, size > sweep_bound(3))
-      e = z
-      moved = 0
-      do k = 1, nint(largest(groups, sweeps))
-         call newton(ratio, z, merge(1.0_dp, 0.0_dp, sweeps >= k), e, moved)
-      end do
-      ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
-      found = merge(1.0_dp, 0.0_dp, ee < 1 .and. moved <= tolerance*ee)
-      do k = 1, more
-         if (smallest(groups, found) >= 1) return
-         call newton(ratio, z, merge(1.0_dp, 0.0_dp, found < 1 .and. ee < 16), e, moved)
-         ee = e(:, 1)**2 + e(:, 2)**2 + e(:, 3)**2
-         where (ee < 1 .and. moved <= merge(1e-24_dp, tolerance, k < more)*ee) found = 1
-      end do
-   end subroutine solve
-
-   !> One sweep of Newton's method; `moved` = how far a lane went in its last one, squared.
-   pure subroutine newton(ratio, z, active, e, moved)
-      real(dp), intent(in) :: ratio(3), z(lanes, 3), active(lanes)
-      real(dp), intent(inout) :: e(lanes, 3), moved(lanes)
-      real(dp) :: slope(3, 3), c(3, 3), f(3), d(3), x(3), det
-      integer :: l, i, j, k
-      do l = 1, lanes
-         x = e(l, :)
-         do i = 1, 3
-            j = 1 + mod(i, 3)
-            k = 1 + mod(j, 3)
-            f(i) = (1 + (x(1)**2 + x(2)**2 + x(3)**2))*z(l, i) - ratio(i)*x(j)*x(k) - x(i)
-            slope(i, :) = -2*z(l, i)*x
-            slope(i, i) = slope(i, i) + 1
-            slope(i, j) = slope(i, j) + ratio(i)*x(k)
-            slope(i, k) = slope(i, k) + ratio(i)*x(j)
-         end do
-         c(:, 1) = cross(slope(:, 2), slope(:, 3))
-         c(:, 2) = cross(slope(:, 3), slope(:, 1))
-         c(:, 3) = cross(slope(:, 1), slope(:, 2))
-         det = slope(1, 1)*c(1, 1) + slope(2, 1)*c(2, 1) + slope(3, 1)*c(3, 1)
-         det = active(l)/choose(below(1e-8_dp, abs(det)), det, 1.0_dp)
-         do i = 1, 3
-            d(i) = det*(c(1, i)*f(1) + c(2, i)*f(2) + c(3, i)*f(3))
-         end do
-         e(l, :) = x + d
-         moved(l) = choose(below(0.0_dp, active(l)), d(1)**2 + d(2)**2 + d(3)**2, moved(l))
-      end do
-   end subroutine newton
-
-   pure function cross(a, b) result(c)
-      real(dp), intent(in) :: a(3), b(3)
-      real(dp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
-
-   include "../core/choose.inc"
-   include "../core/below.inc"
 
 end module poinsot_free_rattle
