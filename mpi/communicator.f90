@@ -1,12 +1,12 @@
 !> The ranks of an MPI run, by the interface that MPICH and Open MPI both have for every type of
 !> buffer; files by MPI-IO.
 module mpi_communicators
-   use mpi_f08, only: mpi_file, mpi_info_null, mpi_status_ignore, mpi_offset_kind, mpi_comm_self, &
-      world => mpi_comm_world, mpi_success, mpi_in_place, mpi_max, mpi_min, mpi_sum, mpi_bxor, &
-      double => mpi_double_precision, mpi_integer, mpi_integer8, mpi_character, &
-      mpi_mode_create, mpi_mode_wronly, mpi_mode_rdonly, mpi_init, mpi_finalize, mpi_comm_rank, &
-      mpi_comm_size, mpi_allreduce, mpi_bcast, mpi_send, mpi_recv, mpi_file_open, &
-      mpi_file_close, mpi_file_write_at, mpi_file_read_at, mpi_file_get_size
+   use mpi_f08, only: mpi_file, mpi_status, mpi_info_null, mpi_status_ignore, mpi_offset_kind, &
+      mpi_comm_self, world => mpi_comm_world, mpi_success, mpi_err_io, mpi_in_place, mpi_max, &
+      mpi_min, mpi_sum, mpi_bxor, double => mpi_double_precision, mpi_integer, mpi_integer8, &
+      mpi_character, mpi_mode_create, mpi_mode_wronly, mpi_mode_rdonly, mpi_init, mpi_finalize, &
+      mpi_comm_rank, mpi_comm_size, mpi_allreduce, mpi_bcast, mpi_send, mpi_recv, mpi_file_open, &
+      mpi_file_close, mpi_file_write_at, mpi_file_read_at, mpi_file_get_size, mpi_get_count
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_status, only: poinsot_e_io
@@ -176,11 +176,15 @@ contains
       integer(i8), intent(in) :: place
       character(*), intent(in) :: text
       type(poinsot_error), intent(inout) :: error
-      integer :: code
+      type(mpi_status) :: status
+      integer :: code, written
       if (raised(error)) return
       call mpi_file_write_at(self%shared, int(place, mpi_offset_kind), text, len(text), &
-         mpi_character, mpi_status_ignore, code)
-      if (code /= mpi_success) call no_room(self%path, error)
+         mpi_character, status, code)
+      ! Open MPI 4.1 answers success when a disk is full, and counts what was written
+      written = 0
+      if (code == mpi_success) call mpi_get_count(status, mpi_character, written)
+      if (written /= len(text)) call no_room(self%path, error)
    end subroutine write_at
 
    subroutine no_room(path, error)
@@ -209,15 +213,19 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(mpi_file) :: file
       integer(mpi_offset_kind) :: length
-      integer :: code, most
+      type(mpi_status) :: status
+      integer :: code, most, got
       text = ""
       if (raised(error) .or. self%size == 0) return
       call mpi_file_open(mpi_comm_self, path, mpi_mode_rdonly, mpi_info_null, file, code)
       if (code == mpi_success) then
          call mpi_file_get_size(file, length, code)
          most = int(max(0_i8, min(len(text, i8), int(length, i8) - place)))
+         got = most
          if (most > 0) call mpi_file_read_at(file, int(place, mpi_offset_kind), text, most, &
-            mpi_character, mpi_status_ignore, code)
+            mpi_character, status, code)
+         if (most > 0 .and. code == mpi_success) call mpi_get_count(status, mpi_character, got)
+         if (got /= most) code = mpi_err_io
          call mpi_file_close(file)
       end if
       if (code /= mpi_success) call raise(error, poinsot_e_io, path // ": cannot be read")

@@ -73,6 +73,40 @@ cat >fails.nml <<END
 /
 END
 
+# Arrays and averages of all bodies, in the scene's own frame, with columns; and of bodies here and there.
+cat >array.nml <<END
+&scene
+   t_end = 1, h = 0.1, seed = 3
+/
+&bodies
+   count = 4500, tensor = 1.0, 0.1, 0, 0.1, 1.2, 0, 0, 0, 1.4, random = 'uniform', y = 1, 2, 3
+/
+&bodies
+   count = 6001, moments = 1.0, 1.0, 0.0, random = 'thermal', temperature = 1.0
+/
+&gravity
+   centre = 0, 0, 1, weight = 1
+/
+&output
+   every = 0.5, format = 'npy', columns = 'omega1 tilt', observables = .true.
+/
+END
+# Bodies that see each other.
+cat >pairs.nml <<END
+&scene
+   t_end = 0.2, h = 0.1
+/
+&bodies
+   count = 9, moments = 0.5, 1.0, 1.4, random = 'uniform', y = 1, 2, 3, lattice = 3, 3, 1, spacing = 1, 1, 0
+/
+&dipoles
+   dipole = 0, 0, 1
+/
+&output
+   every = 0.1, format = 'csv+npy', observables = .true.
+/
+END
+
 # Several kinds of output, of some bodies in the scene's own frame.
 cat >shown.nml <<END
 &scene
@@ -92,6 +126,19 @@ same_bits() { ranks "$1" run mixed.nml --out "mixed-$1" && cmp mixed/trajectory.
 restart() {
    ranks 3 run mixed.nml --out half --set scene.t_end=1 && ranks 2 run mixed.nml --out rest --set scene.from=half/end.restart &&
       cmp mixed/end.restart rest/end.restart
+}
+array() {
+   ranks "$1" run array.nml --out "array-$1" && cmp array/trajectory.npy "array-$1/trajectory.npy" &&
+      cmp array/observables.csv "array-$1/observables.csv" && ls "array-$1" && ! ls "array-$1" | grep -q part
+}
+array_alone() { alone run array.nml --out array && [ "$(wc -c <array/trajectory.npy)" -eq $((128 + 3*10501*14*8)) ]; }
+array_of_some() {
+   set -- run array.nml --set "output.bodies=1,7,31,33,4499,4500,4501,5000,10501" --set output.format=csv+npy
+   alone "$@" --out some && ranks 4 "$@" --out some-4 && cmp some/trajectory.npy some-4/trajectory.npy && cmp some/trajectory.csv some-4/trajectory.csv
+}
+pairs() {
+   alone run pairs.nml --out pairs && ranks 3 run pairs.nml --out pairs-3 && cmp pairs/trajectory.csv pairs-3/trajectory.csv &&
+      cmp pairs/trajectory.npy pairs-3/trajectory.npy && cmp pairs/observables.csv pairs-3/observables.csv
 }
 # All that does not tell the time is the same: also sums over the bodies of all ranks.
 shown() {
@@ -137,6 +184,13 @@ failure() {
    ranks 4 run fails.nml --out fails-4 2>said-4
    [ $? -eq 3 ] && grep -F "$(cat said)" said-4 && [ "$(grep -c 'bodies failed' said-4)" -eq 1 ] && cmp fails/trajectory.csv fails-4/trajectory.csv
 }
+# A disk that is full, for a file of all ranks: a sentence, a code, the file not under its name; nobody waits for ever.
+full() {
+   # shellcheck disable=SC2016
+   timeout 60 $MPIRUN -n 3 sh -c 'trap "" XFSZ; ulimit -f 131072; exec "$@"' sh "$many" run array.nml --out full --quiet --no-pictures \
+      --set scene.t_end=100 --set output.every=0.5 2>said
+   [ $? -eq 1 ] && grep 'trajectory.npy: cannot be written to its end' said && [ -f full/trajectory.npy.part ] && ! [ -f full/trajectory.npy ]
+}
 no_folder() { ranks 3 run mixed.nml --out /dev/null/folder; [ $? -ne 0 ]; }
 speaks_once() { [ "$($MPIRUN -n 3 "$many" methods | wc -l)" -eq "$("$one" methods | wc -l)" ]; }
 
@@ -145,6 +199,11 @@ for n in 1 2 3 4; do expect "same-bits-$n" same_bits $n; done
 expect "restart-3-to-2" restart
 expect "restart-damaged" damaged
 expect "what-is-shown" shown
+expect "array-alone" array_alone
+for n in 1 2 3 4; do expect "array-$n" array $n; done
+expect "array-of-some" array_of_some
+expect "pairs-arrays" pairs
+expect "disk-full" full
 if [ -x /usr/bin/time ]; then expect "memory" memory; fi
 expect "one-body" shipped heavy-top
 expect "coupled-bodies" shipped dipole-chain

@@ -5,7 +5,7 @@ module poinsot_scene_collect
    use poinsot_scene_states, only: body_states
    implicit none(type, external)
    private
-   public :: collect, row_size
+   public :: collect, own_rows, row_size
 
    integer, parameter :: row_size = 9 !! y, q, kinetic and potential energy
 
@@ -34,9 +34,7 @@ contains
          if (size(at) == 0) cycle
          allocate (own(row_size, size(at)))
          if (ranks%number == rank) then
-            do i = 1, size(at)
-               own(:, i) = row_of_body(states, kinetic, potential, int(numbers(at(i))))
-            end do
+            own = own_rows(states, kinetic, potential, numbers(at))
             if (rank > 0) call ranks%send_rows(own)
          else
             call ranks%receive_rows(rank, own)
@@ -46,15 +44,17 @@ contains
       end do
    end subroutine collect
 
-   !> Row of a body that this rank holds.
-   pure function row_of_body(states, kinetic, potential, number) result(row)
+   !> Rows of bodies that this rank holds.
+   pure function own_rows(states, kinetic, potential, numbers) result(rows)
       type(body_states), intent(in) :: states
-      real(dp), intent(in) :: kinetic(:), potential(:)
-      integer, intent(in) :: number
-      real(dp) :: row(row_size)
-      integer :: k
-      k = number - states%first
-      row = [states%y(:, k), states%q(:, k), kinetic(k), potential(k)]
-   end function row_of_body
+      real(dp), intent(in) :: kinetic(:), potential(:) !! (n)
+      integer(i8), intent(in) :: numbers(:)            !! from 1
+      real(dp) :: rows(row_size, size(numbers))
+      integer :: i, k
+      do i = 1, size(numbers)
+         k = int(numbers(i) - states%first)
+         rows(:, i) = [states%y(:, k), states%q(:, k), kinetic(k), potential(k)]
+      end do
+   end function own_rows
 
 end module poinsot_scene_collect

@@ -1,12 +1,14 @@
 !> Who else works on a run. The library knows no message passing: a program that has it extends this
 !> type (mpi/communicator.f90); alone, all of it does next to nothing. Each rank holds and steps the
-!> bodies of a slice of its own, and writes them into files that all ranks share. Where bodies see
-!> each other (pairs), every rank holds all of them and rank 0 writes.
+!> bodies of a slice of its own, and writes them into files that all ranks share, one at a time; a
+!> copy of a communicator has a file of its own. Where bodies see each other (pairs), every rank
+!> holds all of them and rank 0 writes.
 module poinsot_scene_communicator
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io
-   use poinsot_scene_files, only: out_file, open_out, put_text, finish_out
+   use poinsot_scene_files, only: out_file, open_out, put_text, rewind_out, &
+      flush_out, finish_out
    implicit none(type, external)
    private
    public :: communicator, slice_of
@@ -28,6 +30,7 @@ module poinsot_scene_communicator
       procedure :: receive_rows
       procedure :: open_file
       procedure :: write_at
+      procedure :: flush_file
       procedure :: close_file
       procedure :: read_at
    end type communicator
@@ -132,17 +135,24 @@ contains
       call open_out(path, self%file, error)
    end subroutine open_file
 
-   !> Text into the file, from a place in it on, counted from 0. Alone, from the beginning to the
-   !> end without a gap. Error: POINSOT_E_IO.
+   !> Text into the file, from a place in it on, counted from 0. Alone, without a gap: from the
+   !> beginning to the end, and from place 0 on anew. Error: POINSOT_E_IO, on this rank alone.
    subroutine write_at(self, place, text, error)
       class(communicator), intent(inout) :: self
       integer(i8), intent(in) :: place
       character(*), intent(in) :: text
       type(poinsot_error), intent(inout) :: error
-      associate (unused => place)
-      end associate
+      if (place == 0) call rewind_out(self%file)
       call put_text(self%file, text, error)
    end subroutine write_at
+
+   !> What this rank has written so far to the disk, if it is held back. Error: POINSOT_E_IO, on
+   !> this rank alone.
+   subroutine flush_file(self, error)
+      class(communicator), intent(inout) :: self
+      type(poinsot_error), intent(inout) :: error
+      call flush_out(self%file, error)
+   end subroutine flush_file
 
    !> End the file and give it its name; after an error of any rank it keeps that of an unfinished
    !> one. All ranks call. Error: POINSOT_E_IO, or the one that there was, on all.

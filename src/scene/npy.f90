@@ -1,58 +1,81 @@
 !> NumPy's own format for arrays, version 1.0: a head of 128 bytes, then float64 numbers as they
-!> stand in
-!> memory. The first dimension is known when the file is finished: the head is written twice.
+!> stand in memory. Ranks write the rows of their own bodies. The first dimension is known when the
+!> file is finished: the head is written twice.
 module poinsot_scene_npy
    use poinsot_core_kinds, only: dp, i4, i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_scene_files, only: out_file, open_out, put_text, rewind_out, finish_out, is_open
+   use poinsot_scene_communicator, only: communicator
    use poinsot_scene_text, only: text_of
    implicit none(type, external)
    private
-   public :: npy_file, open_npy, write_npy, finish_npy
+   public :: npy_file, open_npy, write_npy, end_npy_frame, finish_npy
 
    integer, parameter :: head_length = 128, number_bytes = 8
 
    !> An array (frames, rows, columns) being written.
    type :: npy_file
-      type(out_file) :: file
-      integer(i8) :: written = 0 !! rows of all frames
-      integer :: rows = 0, columns = 0
+      class(communicator), allocatable :: ranks !! who write it, and the file itself; not
+                                                !! allocated: not open
+      integer(i8) :: frames = 0, rows = 0       !! whole frames so far; rows of each
+      integer :: columns = 0
    end type npy_file
 
 contains
 
-   !> Begin the file. Error: POINSOT_E_IO.
-   subroutine open_npy(path, rows, columns, this, error)
+   !> Begin the file. All ranks call. Error: POINSOT_E_IO, or that of another rank, on all.
+   subroutine open_npy(path, rows, columns, ranks, this, error)
       character(*), intent(in) :: path
-      integer, intent(in) :: rows, columns !! of each frame
+      integer(i8), intent(in) :: rows           !! of each frame
+      integer, intent(in) :: columns
+      class(communicator), intent(inout) :: ranks
       type(npy_file), intent(inout) :: this
       type(poinsot_error), intent(inout) :: error
+      call ranks%share_error(error)
+      if (raised(error)) return
       this%rows = rows
       this%columns = columns
-      call open_out(path, this%file, error)
-      if (.not. raised(error)) call put_text(this%file, head(this), error)
+      allocate (this%ranks, source=ranks) ! a file of its own
+      call this%ranks%open_file(path, error)
+      if (raised(error)) deallocate (this%ranks)
+      if (.not. raised(error)) call put_head(this, error)
    end subroutine open_npy
 
-   !> Rows of a frame, some or all of them.
-   subroutine write_npy(this, values, error)
+   !> Rows of a frame, from a place in it on. Error: POINSOT_E_IO, on this rank alone.
+   subroutine write_npy(this, place, values, error)
       type(npy_file), intent(inout) :: this
+      integer(i8), intent(in) :: place     !! of the first row among those of the frame, from 1
       real(dp), intent(in) :: values(:, :) !! (columns, some rows)
       type(poinsot_error), intent(inout) :: error
       character(number_bytes*size(values)) :: bytes
       bytes = transfer(values, bytes)
-      call put_text(this%file, bytes, error)
-      if (.not. raised(error)) this%written = this%written + size(values, 2)
+      call this%ranks%write_at(head_length + &
+         number_bytes*this%columns*(this%frames*this%rows + place - 1), bytes, error)
    end subroutine write_npy
 
-   !> The head as it must be now, and the file gets its name.
+   !> A frame is whole as far as this rank goes. Error: POINSOT_E_IO, on this rank alone.
+   subroutine end_npy_frame(this, error)
+      type(npy_file), intent(inout) :: this
+      type(poinsot_error), intent(inout) :: error
+      call this%ranks%flush_file(error)
+      if (.not. raised(error)) this%frames = this%frames + 1
+   end subroutine end_npy_frame
+
+   !> The head as it must be now, and the file gets its name. All ranks call. Error: POINSOT_E_IO,
+   !> or that of another rank, on all.
    subroutine finish_npy(this, error)
       type(npy_file), intent(inout) :: this
       type(poinsot_error), intent(inout) :: error
-      if (.not. is_open(this%file)) return
-      if (.not. raised(error)) call rewind_out(this%file)
-      call put_text(this%file, head(this), error)
-      call finish_out(this%file, error)
+      if (.not. allocated(this%ranks)) return
+      call put_head(this, error)
+      call this%ranks%close_file(error)
+      deallocate (this%ranks)
    end subroutine finish_npy
+
+   subroutine put_head(this, error)
+      type(npy_file), intent(inout) :: this
+      type(poinsot_error), intent(inout) :: error
+      if (this%ranks%number == 0) call this%ranks%write_at(0_i8, head(this), error)
+   end subroutine put_head
 
    !> Magic, version, length of the rest, the rest: a dictionary of Python, blanks, a line end.
    function head(this) result(text)
@@ -63,8 +86,7 @@ contains
       if (iachar(transfer(1_i4, "a")) /= 1) order = ">"
       text = char(147) // "NUMPY" // char(1) // char(0) // char(head_length - 10) // char(0) // &
          "{'descr': '" // order // "f8', 'fortran_order': False, 'shape': (" // &
-         text_of(this%written/max(this%rows, 1)) // ", " // text_of(this%rows) // ", " // &
-            text_of(this%columns) // &
+         text_of(this%frames) // ", " // text_of(this%rows) // ", " // text_of(this%columns) // &
             "), }"
       text(head_length:) = achar(10)
    end function head

@@ -52,8 +52,8 @@ contains
    !> Errors: POINSOT_E_IO, POINSOT_E_MEMORY, POINSOT_E_SCENE (restart file), POINSOT_E_PARTIAL and
    !> others of the engine (numerical failure). After every error but a failing disk the summary
    !> says that the run is not complete.
-   !> With several ranks, each holds and steps a slice of the bodies; every rank calls, rank 0
-   !> writes, but for the restart file, which all write.
+   !> With several ranks, each holds and steps a slice of the bodies; every rank calls. Rank 0
+   !> writes, but for arrays and the restart file, which all write.
    subroutine run_scene(scene, out, watch, report, error, ranks)
       type(scene_settings), intent(in) :: scene    !! the typed scene
       character(*), intent(in) :: out              !! folder for the output
@@ -88,7 +88,10 @@ contains
       report%restart = ""
       report%branch = ""
       call prepare(scene, out, ranks, run, report, error)
-      if (raised(error)) return
+      if (raised(error)) then
+         call finish_frames(run%frames, error)
+         return
+      end if
       call integrate(scene, run, watch, ranks, report, error)
       if (.not. raised(error)) call check_end(run, error)
       if (.not. run%writes) return
@@ -196,9 +199,10 @@ contains
       call ranks%share_error(error)
       if (raised(error)) return
       call start_energy(run%kinetic, run%potential, run%holders, report%drift)
-      if (.not. run%writes .or. len(scene%from) > 0) return
-      if (writes_start(scene)) call frame(scene, run, report, error)
-      call run%holders%share_error(error)
+      if (run%writes .and. len(scene%from) == 0 .and. writes_start(scene)) then
+         call frame(scene, run, report, error)
+      end if
+      call ranks%share_error(error)
    end subroutine prepare
 
    !> The plan, and the bodies that this rank holds: a slice, or all if they see each other.
@@ -230,11 +234,11 @@ contains
       call check_inputs(scene, out, error)
    end subroutine make_states
 
-   !> Energies at the start; on rank 0 the folder and the files.
+   !> Energies at the start, folder and files.
    subroutine begin_output(scene, out, ranks, run, report, error)
       type(scene_settings), intent(in) :: scene
       character(*), intent(in) :: out
-      class(communicator), intent(in) :: ranks
+      class(communicator), intent(inout) :: ranks
       type(run_state), intent(inout) :: run
       type(run_report), intent(inout) :: report
       type(poinsot_error), intent(inout) :: error
@@ -243,18 +247,15 @@ contains
       if (code == 0) allocate (run%potential(run%states%n), stat=code)
       if (code == 0) then
          call engine_energy(run%engine, run%states, run%t, run%kinetic, run%potential, error)
-         if (raised(error)) return
-         call start_drift(run%states, report%drift, code)
+         if (.not. raised(error)) call start_drift(run%states, report%drift, code)
       end if
-      if (code /= 0) then
-         call raise(error, poinsot_e_memory, scene%file // ": no memory for " // &
-                    text_of(run%states%n) // " bodies")
-         return
-      end if
-      if (ranks%number == 0) call make_folder(out, error)
+      if (code /= 0) call raise(error, poinsot_e_memory, scene%file // ": no memory for " // &
+                                text_of(run%states%n) // " bodies")
+      if (ranks%number == 0 .and. .not. raised(error)) call make_folder(out, error)
       if (ranks%number == 0 .and. .not. raised(error)) call clear_folder(scene, out, error)
+      call ranks%share_error(error)
       if (raised(error) .or. .not. run%writes) return
-      call open_frames(scene, out, ranks%number == 0, run%frames, error)
+      call open_frames(scene, out, run%holders, run%frames, error)
       call open_view(scene, run%view)
    end subroutine begin_output
 
