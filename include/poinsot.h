@@ -40,7 +40,7 @@ extern "C" {
 
 typedef int poinsot_status;
 
-enum {
+enum poinsot_status_code {
   POINSOT_OK = 0,
   POINSOT_E_NULL = 1,        /* a required pointer is NULL */
   POINSOT_E_SIZE = 2,        /* a size or a stride does not fit */

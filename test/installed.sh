@@ -59,6 +59,15 @@ static_works() {
    echo 'int main(void) { return 0; }' >"$work/try.c" && "$CC" -static "$work/try.c" -o "$work/try" 2>/dev/null && "$work/try" &&
       [ -f "$("$FC" -print-file-name=liblapack.a)" ]
 }
+# The header for generators of bindings: declarations and nothing else, all of those of the other.
+bindings_header() {
+   mkdir -p "$work/bindings" && printf '#include <stddef.h>\n#include <stdint.h>\n#include <poinsot_cdef.h>\n' >"$work/bindings/poinsot.h" &&
+      ! sed 1d "$prefix/include/poinsot_cdef.h" | grep '#\|/[*]\|extern\|enum {' &&
+      "$CC" -std=c99 -pedantic -Wall -Wextra -Werror -fsyntax-only -I"$work/bindings" -I"$prefix/include" test/consumer/consumer.c &&
+      for header in poinsot.h poinsot_cdef.h; do
+         "$CC" -E -P -include stddef.h -include stdint.h "$prefix/include/$header" | tr -d ' \n' | grep -o 'enumpoinsot_status_code.*' >"$work/bindings/$header.text"
+      done && cmp "$work/bindings/poinsot.h.text" "$work/bindings/poinsot_cdef.h.text"
+}
 ilp64() { with_shared "-std=c99 -Wall -Wextra -Werror" test/consumer/ilp64.c; }
 cpp() { eval "c++ -std=c++11 -Wall -Wextra -Werror -fsyntax-only -x c++ $(config --cflags) $header"; }
 fortran() {
@@ -251,6 +260,7 @@ if have pkg-config; then
       [ "$(uname)" = Darwin ] || expect "c-static-by-pkg-config" static_c
       if static_works; then expect "c-static-whole" static_whole; else skip "c-static-whole" "no static libc or LAPACK"; fi
       [ "$(uname)" != Linux ] || expect "lapack-of-8-byte-integers" ilp64
+      expect "header-for-bindings" bindings_header
       if have c++; then expect "c++-header" cpp; else skip "c++-header" "no c++"; fi
    fi
 else
