@@ -11,7 +11,8 @@ module test_properties
    use poinsot_scene_watch, only: run_watch
    use poinsot_study_hard, only: run_hard
    use poinsot_study_hard_promises, only: promise_names
-   use poinsot_study_hard_rows, only: hard_row, measure_rows, verdict_words
+   use poinsot_study_hard_rows, only: find_row, hard_row, measure_rows, verdict_words
+   use poinsot_study_hard_cases, only: cases_of_kind
    use poinsot_study_hard_tops, only: top_names
    use poinsot_study_hard_kinds, only: hard_result, judge_kind
    use poinsot_study_hard_cases, only: hard_case, kind_names, cases_of_kind, make_case
@@ -52,7 +53,8 @@ contains
          new_unittest("table", test_table), &
          new_unittest("judge", test_judge), &
          new_unittest("hard-cases", test_hard), &
-         new_unittest("hard-promises-and-tops", test_promises)]
+         new_unittest("hard-promises-and-tops", test_promises), &
+         new_unittest("hard-scale-and-moments", test_own)]
    end subroutine collect_properties
 
    !> The maps in dual numbers are the oracle's maps.
@@ -176,6 +178,31 @@ contains
       row%good = .false.
       call expect(error, verdict_words(row), "BROKEN")
    end subroutine test_promises
+
+   !> By scale and by moments of the body's own: rows of both exact methods, right to rounding on the
+   !> bodies that ask most of the constants.
+   subroutine test_own(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(11), parameter :: cases(3) = [character(11) :: "generic", "wide", "linear"]
+      type(hard_row), allocatable :: rows(:)
+      type(counting_watch) :: watch
+      integer :: i, k
+      do i = 1, size(cases)
+         call measure_rows(trim(cases(i)), watch, rows)
+         call judge_rows(error, rows, 2*method_count() + 4)
+         if (allocated(error)) return
+         do k = find_row(rows, cases(i), "exact", "scale"), find_row(rows, cases(i), "exact", &
+               "moments")
+            call expect(error, rows(k)%counts%answered, 2*cases_of_kind, "cases by "// &
+               trim(rows(k)%approach))
+            call expect(error, rows(k)%figure < 5, "exact by "//trim(rows(k)%approach)//": "// &
+               text(rows(k)%figure)//" units")
+         end do
+         k = find_row(rows, cases(i), "jacobi", "moments")
+         call expect(error, k > 0 .and. find_row(rows, cases(i), "dmv2", "moments") == 0, &
+            "rows by moments")
+      end do
+   end subroutine test_own
 
    subroutine judge_rows(error, rows, wanted)
       type(error_type), allocatable, intent(inout) :: error

@@ -105,7 +105,7 @@ contains
       call write_line(unit, "Hard bodies: worst error in units of conditioning (one unit: what "// &
          "moving inputs by")
       call write_line(unit, "1e-16 does), against a Taylor series in quadruple precision")
-      do w = 1, size(approach_names)
+      do w = 1, 2
          call write_line(unit, "")
          if (w == 1) call write_line(unit, "The whole time in one step:")
          if (w == 2) call write_line(unit, "In steps of at most 0.2 radians:")
@@ -116,6 +116,7 @@ contains
             call write_line(unit, table_line(kind_names(kind), rows, shown, approach_names(w)))
          end do
       end do
+      call show_own(unit, rows)
       call write_line(unit, "")
       call write_line(unit, "refused: status 'step too long' or 'no convergence', state kept; "// &
          "*: in some of the cases")
@@ -127,6 +128,30 @@ contains
          call write_line(unit, "   "//kind_names(kind)//"  "//kind_about(kind))
       end do
    end subroutine show_kinds
+
+   !> The two methods that hosts have by scale and by moments of each body.
+   subroutine show_own(unit, rows)
+      integer, intent(in) :: unit
+      type(hard_row), intent(in) :: rows(:)
+      character(name_length), parameter :: whom(2) = [character(name_length) :: "exact", "jacobi"]
+      character(8) :: cells(4)
+      character(80) :: line
+      integer :: kind, w
+      call write_line(unit, "")
+      call write_line(unit, "By scale of a class of another size, and by moments of the body's "// &
+         "own; the worse of")
+      call write_line(unit, "both ways:")
+      call write_line(unit, "")
+      call write_line(unit, "            exact: scale  moments jacobi: scale  moments")
+      do kind = 1, size(kind_names)
+         do w = 1, 2
+            cells(2*w - 1) = cell(rows(find_row(rows, kind_names(kind), whom(w), "scale")))
+            cells(2*w) = cell(rows(find_row(rows, kind_names(kind), whom(w), "moments")))
+         end do
+         write (line, "(a11, 2(3x, 2a9))") kind_names(kind), cells
+         call write_line(unit, line)
+      end do
+   end subroutine show_own
 
    subroutine show_promises(unit, rows)
       integer, intent(in) :: unit
@@ -266,7 +291,12 @@ contains
       write (numbers, "(f7.3, 2a)") min(rows(worst)%part, 999.0_dp), &
          " of the bound, ", trim(rows(worst)%case)
       line = "   "//name//merge("good   ", "BROKEN ", bad == 0)//trim(numbers)
-      if (rows(worst)%approach == "pieces") line = line//" in pieces"
+      select case (rows(worst)%approach)
+      case ("pieces")
+         line = line//" in pieces"
+      case ("scale", "moments")
+         line = line//" by "//trim(rows(worst)%approach)
+      end select
       if (refused > 0) then
          write (numbers, "(a, i0, a)") "; ", refused, " steps refused"
          line = line//trim(numbers)

@@ -2,7 +2,8 @@
 !>
 !> An error counts in units of conditioning: one unit is what moving each input by 1e-16 does to the
 !> result. Each method crosses the time twice: in one step, as far as it takes it, and in steps of
-!> at most a fifth of a radian.
+!> at most a fifth of a radian. `exact` and `jacobi` do so again as hosts can have it: the body by
+!> `scale` of a class of another size, and by `moments` of its own, with constants for each lane.
 module poinsot_study_hard_kinds
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, qp
@@ -11,10 +12,10 @@ module poinsot_study_hard_kinds
    use poinsot_free_method, only: free_method, find_method, method_name
    use poinsot_study_hard_cases, only: hard_case, cases_of_kind, make_case
    use poinsot_study_taylor, only: taylor_flow, conditioning, largest_rate
-   use poinsot_study_turn, only: turn_one, momentum_gap, attitude_gap
+   use poinsot_study_turn, only: turn_one, turn_scaled, turn_by_moments, momentum_gap, attitude_gap
    implicit none(type, external)
    private
-   public :: hard_result, judge_kind, total, approaches, approach_names
+   public :: hard_result, judge_kind, total, approaches, approach_names, takes_approach
 
    !> One kind, one method, one way of stepping.
    type :: hard_result
@@ -23,7 +24,7 @@ module poinsot_study_hard_kinds
       integer :: other = 0           !! any other status, or an answer that is not finite
       real(dp) :: y = 0, q = 0       !! worst error in units of conditioning
       real(dp) :: largest = 0        !! worst plain error, of |y| and of q
-      real(dp) :: part = 0           !! worst error over what the method's order allows
+      real(dp) :: part = 0           !! worst error over what is allowed
    end type hard_result
 
    !> Reference of one case.
@@ -37,29 +38,56 @@ module poinsot_study_hard_kinds
    end type solved_case
 
    real(dp), parameter :: piece = 0.2_dp
-   integer, parameter :: approaches = 2
-   character(6), parameter :: approach_names(approaches) = [character(6) :: "whole", "pieces"]
+   integer, parameter :: whole = 1, pieces = 2, by_scale = 3, by_moments = 4, approaches = 4
+   character(7), parameter :: approach_names(approaches) = [character(7) :: "whole", "pieces", &
+      "scale", "moments"]
+   real(dp), parameter :: usual = 3     !! units that `exact` may lose by a class
+   real(dp), parameter :: own_units = 2 !! and so many more by moments
    real(dp), parameter :: roundings = 20 !! units of conditioning that any method may lose
 
 contains
 
-   !> Every method on all cases of a kind: results(method, way).
+   !> Every method on all cases of a kind: results(method, approach).
    subroutine judge_kind(kind, results)
       integer, intent(in) :: kind
       type(hard_result), intent(out) :: results(:, :)
       type(solved_case) :: one
       type(free_method) :: method
       type(poinsot_error) :: error
-      integer :: number, m
+      integer :: number, m, a
       do number = 1, cases_of_kind
          call solve_case(kind, number, one)
          do m = 1, size(results, 1)
             call find_method(method_name(m), method, error)
-            call judge_case(method, one, 1, results(m, 1))
-            call judge_case(method, one, one%pieces, results(m, 2))
+            do a = 1, approaches
+               if (.not. takes_approach(method_name(m), a)) cycle
+               if (a /= pieces) call judge_case(method, one, a, 1, number, results(m, a))
+               if (a /= whole) call judge_case(method, one, a, one%pieces, number, results(m, a))
+            end do
          end do
       end do
+      do m = 1, size(results, 1)
+         call judge_moments(results(m, :))
+      end do
    end subroutine judge_kind
+
+   !> Is a method tried this way? By scale and moments the two that know no order.
+   pure logical function takes_approach(name, approach)
+      character(*), intent(in) :: name
+      integer, intent(in) :: approach
+      takes_approach = approach <= pieces .or. name == "exact" .or. name == "jacobi"
+   end function takes_approach
+
+   !> Constants for each lane may cost two units more than those of a class do at worst.
+   subroutine judge_moments(results)
+      type(hard_result), intent(inout) :: results(:)
+      real(dp) :: class_units
+      if (results(by_moments)%answered == 0) return
+      class_units = max(usual, results(whole)%y, results(whole)%q, results(pieces)%y, &
+         results(pieces)%q)
+      results(by_moments)%part = max(results(by_moments)%y, results(by_moments)%q)/ &
+         (class_units + own_units)
+   end subroutine judge_moments
 
    subroutine solve_case(kind, number, one)
       integer, intent(in) :: kind, number
@@ -77,16 +105,26 @@ contains
       call conditioning(one%it%moments, one%it%y, one%it%h, one%it%with_moments, one%of_y, one%of_q)
    end subroutine solve_case
 
-   subroutine judge_case(method, one, steps, answer)
+   subroutine judge_case(method, one, approach, steps, number, answer)
       type(free_method), intent(in) :: method
       type(solved_case), intent(in) :: one
-      integer, intent(in) :: steps
+      integer, intent(in) :: approach, steps, number
       type(hard_result), intent(inout) :: answer
-      real(dp) :: y(3), q(4), ey, eq, may
+      real(dp), parameter :: sizes(4) = [3.0_dp, 0.7_dp, 1e-6_dp, 1.7e9_dp] !! none a power of two
+      real(dp) :: y(3), q(4), h, ey, eq, may
       integer :: status
       y = one%it%y
       q = one%it%q
-      call turn_one(method%name, one%it%moments, one%it%h/steps, steps, y, q, status)
+      h = one%it%h/steps
+      select case (approach)
+      case (by_scale)
+         call turn_scaled(method%name, one%it%moments, sizes(1 + mod(number, size(sizes))), h, &
+                          steps, y, q, status)
+      case (by_moments)
+         call turn_by_moments(method%name, one%it%moments, h, steps, y, q, status)
+      case default
+         call turn_one(method%name, one%it%moments, h, steps, y, q, status)
+      end select
       if (status == poinsot_e_step .or. status == poinsot_e_convergence) then
          answer%too_long = answer%too_long + 1
       else if (status /= poinsot_ok .or. .not. all(ieee_is_finite([y, q]))) then

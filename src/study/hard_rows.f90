@@ -5,7 +5,8 @@ module poinsot_study_hard_rows
    use poinsot_scene_watch, only: run_watch
    use poinsot_splitting_registry, only: is_table, splitting_count, splitting_name
    use poinsot_study_hard_cases, only: kind_names
-   use poinsot_study_hard_kinds, only: hard_result, judge_kind, approaches, approach_names
+   use poinsot_study_hard_kinds, only: hard_result, judge_kind, approaches, approach_names, &
+      takes_approach
    use poinsot_study_hard_promises, only: promise_names, promise_bounds, measure_promise, &
       broken, measured_nothing
    use poinsot_study_hard_tops, only: top_names, measure_top, top_bound
@@ -17,7 +18,7 @@ module poinsot_study_hard_rows
    type :: hard_row
       character(11) :: case = ""
       character(name_length) :: who = "" !! method, or splitting
-      character(6) :: approach = ""           !! whole, pieces; "" where there is one way only
+      character(7) :: approach = ""      !! whole, pieces, scale, moments; "": there is one only
       type(hard_result) :: counts = hard_result() !! answers and refusals of a kind of bodies
       real(dp) :: figure = 0             !! worst error, in conditioning units or in 1e-16
       real(dp) :: part = 0               !! over the bound; above 1: broken
@@ -41,6 +42,7 @@ contains
          call judge_kind(k, results)
          do m = 1, method_count()
             do w = 1, approaches
+               if (.not. takes_approach(method_name(m), w)) cycle
                row = hard_row(kind_names(k), method_name(m), approach_names(w), results(m, w))
                row%figure = max(results(m, w)%y, results(m, w)%q)
                row%part = results(m, w)%part
