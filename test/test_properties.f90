@@ -179,8 +179,8 @@ contains
       call expect(error, verdict_words(row), "BROKEN")
    end subroutine test_promises
 
-   !> By scale and by moments of the body's own: rows of both exact methods, right to rounding on the
-   !> bodies that ask most of the constants.
+   !> By scale and by moments of the body's own: rows of both exact methods, right to rounding on
+   !> the bodies that ask most of the constants.
    subroutine test_own(error)
       type(error_type), allocatable, intent(out) :: error
       character(11), parameter :: cases(3) = [character(11) :: "generic", "wide", "linear"]

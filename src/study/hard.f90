@@ -296,6 +296,7 @@ contains
          line = line//" in pieces"
       case ("scale", "moments")
          line = line//" by "//trim(rows(worst)%approach)
+      case default ! in one step, or there is one way only
       end select
       if (refused > 0) then
          write (numbers, "(a, i0, a)") "; ", refused, " steps refused"
