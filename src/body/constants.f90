@@ -24,7 +24,7 @@ module poinsot_body_constants
       real(dp), dimension(lanes) :: largest_inverse !! of these
       real(dp), dimension(lanes) :: scale         !! power of two near the largest moment
       real(dp), dimension(lanes) :: parity        !! +1 or -1: sign of the permutation
-      integer(i8), dimension(lanes, 3) :: exchange !! masks: axes 1 and 2, 2 and 3, 1 and 2 have
+      integer(i8), dimension(lanes, 3) :: exchange !! masks of axes 1 and 2, 2 and 3, 1 and 2 that
                                                    !! changed places, in this order
       real(dp), dimension(lanes) :: top           !! I3 - I2, at most I1 for a body
       real(dp), dimension(lanes, 3) :: a          !! (I3-I2)/I1, (I3-I1)/I2, (I2-I1)/I3; a(1) = 0 if

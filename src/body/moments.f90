@@ -52,8 +52,8 @@ contains
    !> as it is: Euler's equations do not need the inequality. No other moment is changed by a bit.
    pure subroutine accept_moments(moments, error, physical)
       real(dp), intent(inout) :: moments(3)       !! principal moments, any order, any unit
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain: which moment, by how much it
-                                                  !! is off, what is allowed
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain says which moment, by how much
+                                                  !! it is off, what is allowed
       logical, intent(in), optional :: physical   !! .false.: any that are zero or positive
       real(dp) :: excess
       integer :: order(3)

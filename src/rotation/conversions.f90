@@ -79,7 +79,7 @@ contains
       real(dp), intent(in) :: axis(3)             !! direction, any length but zero
       real(dp), intent(in) :: angle               !! radians, any; right-handed
       real(dp), intent(out) :: q(4)               !! unit; scalar part cos(angle/2), of either sign
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain: zero axis, or not finite
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain for a zero axis, or not finite
       q = identity_quaternion
       if (.not. (all(ieee_is_finite(axis)) .and. ieee_is_finite(angle))) then
          call raise(error, poinsot_e_domain, "from_axis_angle: the axis or the angle is not finite")
@@ -134,7 +134,7 @@ contains
    pure subroutine to_cayley(q, e, error)
       real(dp), intent(in) :: q(4)                !! attitude, unit
       real(dp), intent(out) :: e(3)               !! finite
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain: a half-turn, which has none
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_domain for a half-turn: it has none
       e = 0
       if (maxval(abs(q(2:4))) < abs(q(1))*1e300_dp) then
          e = q(2:4)/q(1)
@@ -165,8 +165,8 @@ contains
                                                   !! "zyx", "xyx", "xzx", "yxy", "yzy", "zxz", "zyz"
       real(dp), intent(in) :: angles(3)           !! radians, any
       real(dp), intent(out) :: q(4)               !! unit, of either sign
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_method: unknown convention,
-                                                  !! poinsot_e_domain: an angle is not finite
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_method for an unknown convention,
+                                                  !! poinsot_e_domain for angles not finite
       integer :: axes(3)
       q = identity_quaternion
       call find_axes("from_euler", convention, axes, error)
@@ -186,7 +186,7 @@ contains
       real(dp), intent(out) :: angles(3)          !! first and third in [-pi, pi], the second in
                                                   !! [0, pi] if they share an axis, else in
                                                   !! [-pi/2, pi/2]
-      type(poinsot_error), intent(inout) :: error !! poinsot_e_method: unknown convention
+      type(poinsot_error), intent(inout) :: error !! poinsot_e_method for an unknown convention
       integer :: axes(3)
       angles = 0
       call find_axes("to_euler", convention, axes, error)

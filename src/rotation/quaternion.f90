@@ -1,4 +1,4 @@
-!> Quaternions: q = (q0, q1, q2, q3) = q0 + i q1 + j q2 + k q3, scalar first, Hamilton's product.
+!> Quaternions q = (q0, q1, q2, q3) = q0 + i q1 + j q2 + k q3, scalar first, Hamilton's product.
 !>
 !> A unit quaternion is an attitude: it takes body coordinates to space coordinates, x = Q X with
 !> Q = |q|^2 + 2 q0 hat(e) + 2 hat(e)^2 and e = (q1, q2, q3); q and -q are the same attitude

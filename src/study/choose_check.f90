@@ -22,7 +22,7 @@ module poinsot_study_choose_check
 
    integer, parameter :: looks = 32              !! at errors that grow
    real(dp), parameter :: chaotic_gain = 30      !! in the second half of the time, at least
-   real(dp), parameter :: a_step = 2e-4_dp       !! seconds: no step in quadruple takes less
+   real(dp), parameter :: a_step = 2e-4_dp       !! no step in quadruple takes less; seconds
 
    !> How the errors of the most accurate run grow.
    type :: error_growth

@@ -222,8 +222,8 @@ contains
       turns = abs(e%rate) > 0
    end function turns
 
-   !> Basis: quadratic directions as far as they are orthogonal, axes of what turns, then what the
-   !> linear torques and tables need beside these: the rank of all of them together.
+   !> The basis is quadratic directions as far as they are orthogonal, axes of what turns, then what
+   !> the linear torques and tables need beside these: the rank of all of them together.
    pure subroutine build_basis(class, parts, problem)
       type(body_class), intent(in) :: class
       type(torque_terms), intent(in) :: parts
