@@ -42,6 +42,12 @@ family water-own own 1 1 1 1 2 3 4 5 6
 family water-exact poinsot 1 1 1 1 2 3 4 5 6
 family water-own-srkn4 own 1 6 6 0.5 1 1.333333 1.666667 2 2.5
 family water-exact-srkn4 poinsot 1 6 6 0.5 1 1.333333 1.666667 2 2.5
+# substeps of the own rotation under srkn4, the last line poinsot's: fluctuation
+echo "srkn4, 1 fs a force, 0.9 ps: rotation, substeps, fluctuation"
+for way in "own 1" "own 10" "poinsot 1"; do
+   md start water.cfg rotation "${way% *}" substeps "${way#* }" splitting 6 step 0.006 steps 150 print 1000000 |
+      awk -v w="$way" '/^result/ { print w, $3 }'
+done | tee substeps.dat
 liquid=co2 cutoff=12
 family co2-own own 1 1 1 4 8 12 16
 family co2-exact poinsot 1 1 1 4 8 12 16

