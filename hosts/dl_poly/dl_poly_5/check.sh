@@ -40,7 +40,7 @@ fi
 
 # control STEP STEPS [LINE...]: CONTROL
 control() {
-   printf '%s\n' "title rigid molecules" "temperature 298 K" "ensemble nve" "timestep $1 ps" "time_run $2 steps" "cutoff 9.0 ang" "padding 1.0 ang" \
+   printf '%s\n' "title rigid molecules" "temperature 298 K" "ensemble nve" "timestep $1 ps" "time_run $2 steps" "cutoff 9.0 ang" "padding 0.2 ang" \
       "vdw_cutoff 9.0 ang" "vdw_force_shift ON" "coul_method force_shifted" "coul_damping 0.2 1/ang" "print_frequency 100 steps" >CONTROL
    shift 2
    printf '%s\n' "$@" >>CONTROL

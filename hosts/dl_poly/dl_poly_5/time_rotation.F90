@@ -1,5 +1,5 @@
 ! DL_POLY 5's own no_squish beside poinsot's call, on the same bodies: ns a body and step, the least of several rounds, and how far apart the
-! attitudes are at the end of 200 steps.
+! attitudes are at the end of ten steps.
 Program time_rotation
   Use, Intrinsic :: iso_fortran_env, Only: int64
   Use kinds,          Only: wp
@@ -9,7 +9,7 @@ Program time_rotation
 
   Implicit None
 
-  Integer, Parameter :: n = 256, steps = 200, rounds = 20
+  Integer, Parameter :: n = 256, steps = 10, rounds = 400
   Real(Kind=wp), Parameter :: moments(3) = [1.34_wp, 1.92_wp, 0.58_wp], h = 1.0e-3_wp ! SPC/E water, amu A^2; ps
   Real(Kind=wp)    :: p(n, 0:3, 2), q(n, 0:3, 2), y(3), least(2), start(n, 0:7)
   Integer(Kind=4)  :: kind_of(n), each(n), status, number
