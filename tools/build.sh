@@ -18,8 +18,11 @@ quietly() {
    log=$1
    shift
    if [ -t 2 ]; then
-      { "$@" 2>&1; echo $? >"$log.code"; } | tee "$log" | tr '\r' '\n' |
-         awk '/^ *\[ *[0-9]+(%|\/[0-9]+)\]/ { printf "\r%.78s\033[K", $0; fflush() } END { printf "\r\033[K" }' >&2
+      # read, not awk or tr, which wait for some thousand characters; so does what fpm is written in
+      { export GFORTRAN_UNBUFFERED_PRECONNECTED=y; "$@" 2>&1; echo $? >"$log.code"; } | tee "$log" | while IFS= read -r line; do
+         case $line in '['*[0-9]']'* | '['*%']'*) printf '\r%.78s\033[K' "$line" ;; esac
+      done >&2
+      printf '\r\033[K' >&2
       code=$(cat "$log.code")
    else
       "$@" >"$log" 2>&1

@@ -112,6 +112,7 @@ describe() {
    compiler) echo "a Fortran compiler ($FC)" ;;
    lapack)   echo "LAPACK and BLAS, with what is needed to link them" ;;
    pip)      echo "pip for $PYTHON" ;;
+   cmake)    echo "CMake $oldest_cmake or newer, or fpm $fpm_version or newer in the PATH" ;;
    mpi)      echo "MPI (${MPIFC:-mpifort} and mpirun)" ;;
    *)        echo "$1" ;;
    esac
@@ -169,8 +170,12 @@ system_needs() {
    compiler_works || needs="compiler"
    lapack_works || needs="$needs lapack"
    if [ $builder = fpm ]; then
-      [ -f $test_drive/fpm.toml ] || have git || needs="$needs git"
-      private_fpm_needed && ! pip_works && needs="$needs pip"
+      if private_fpm_needed && [ "${SETUP:-yes}" = no ]; then # fpm is fetched by pip
+         needs="$needs cmake"
+      else
+         private_fpm_needed && ! pip_works && needs="$needs pip"
+         [ -f $test_drive/fpm.toml ] || have git || needs="$needs git"
+      fi
    fi
    case " $* " in *" lint "* | *" docs "*) pip_works || needs="$needs pip" ;; esac
    case " $* " in *" demo "*) [ "${PICTURES:-yes}" = no ] || have gnuplot || needs="$needs gnuplot" ;; esac
@@ -201,10 +206,11 @@ deep_wishes() {
 
 # ---- what PyPI gives ----------------------------------------------------------------------------------------------
 
-# A package of PyPI in a folder of its own; no virtual environment needed. Wheels in build/wheels are taken instead of the network.
+# from_pypi NAME PACKAGE [OPTIONS [OR WHAT ELSE]]: a package of PyPI in a folder of its own; no virtual environment needed. Wheels
+# in build/wheels are taken instead of the network.
 from_pypi() {
-   [ "${SETUP:-yes}" != no ] || stop "to be installed by hand (SETUP=no): $2 into the PATH"
-   pip_works || stop "to be installed by hand: $2 into the PATH; $PYTHON has no pip"
+   [ "${SETUP:-yes}" != no ] || stop "to be installed by hand (SETUP=no): $2 into the PATH${4:-}"
+   pip_works || stop "to be installed by hand: $2 into the PATH${4:-}; $PYTHON has no pip"
    from=
    [ -z "$(ls $wheels/*.whl 2>/dev/null)" ] || from="--no-index --find-links $wheels"
    say "installing $2 from ${from:+$wheels}${from:-PyPI} into $tools/$1" | sed 's/--no-index.* into/ into/'
@@ -212,7 +218,7 @@ from_pypi() {
    mkdir -p "$tools"
    PIP_USER=0 "$PYTHON" -m pip install --quiet --disable-pip-version-check --no-warn-script-location $from \
       --target "$tools/$1.part" ${3:-} "$2" >"$scratch/log" 2>&1 ||
-      stop_with_log "to be installed by hand: $2 into the PATH, or its wheel into $wheels (pip download $2); pip says:"
+      stop_with_log "to be installed by hand: $2 into the PATH, or its wheel into $wheels (pip download $2)${4:-}; pip says:"
    mv "$tools/$1.part" "$tools/$1"
 }
 
@@ -244,7 +250,7 @@ fpm_needs() {
       return
    fi
    is_fpm "$tools/bin/fpm" && return
-   from_pypi fpm fpm==$fpm_version "--only-binary :all:"
+   from_pypi fpm fpm==$fpm_version "--only-binary :all:" ", or CMake $oldest_cmake or newer instead of it"
    wrapper fpm 'exec "$here/fpm/fpm/fpm" "$@"'
    is_fpm "$tools/bin/fpm" || stop "fpm of PyPI does not run on this machine; put fpm $fpm_version or newer on the PATH, or use CMake"
 }
