@@ -12,7 +12,7 @@ build/tools/bin/ford $page >build/docs.log 2>&1 || { cat build/docs.log; exit 1;
 # A docstring that begins with a word and a colon is taken for a setting, and lost.
 if grep -i -A 1 warning build/docs.log; then echo "docs: see build/docs.log"; exit 1; fi
 # What the front page links to: pages, pictures, header, examples; each link is looked up.
-for it in docs example hosts include scenes share bench CHANGELOG.md CONTRIBUTING.md CMakeLists.txt LICENSE SECURITY.md; do
+for it in docs example hosts include scenes share bench CHANGELOG.md CONTRIBUTING.md CMakeLists.txt LICENSE SECURITY.md CITATION.cff; do
    [ ! -e "$it" ] || cp -R "$it" build/docs/
 done
 dead=$(grep -o '](\([^)#]*\)' "$page" | sed 's/^](//' | grep -v '^[a-z]*:' | sort -u | while IFS= read -r link; do
