@@ -14,7 +14,7 @@ module test_scene_files
    use poinsot_scene_files, only: file_exists, real_path
    use poinsot_scene_folder, only: folder_lock, lock_folder, unlock_folder
    use poinsot_scene_reader, only: scan_source
-   use poinsot_scene_run, only: check_scene
+   use poinsot_scene_run, only: check_scene, run_scene
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_source, only: scene_source
    use poinsot_scene_states, only: body_states, first_states
@@ -51,6 +51,7 @@ contains
          new_unittest("restart-by-other-names", test_restart_names), &
          new_unittest("restart-named-if-written", test_restart_hint), &
          new_unittest("summary-of-what-was-run", test_summary), &
+         new_unittest("summary-with-noise", test_noise), &
          new_unittest("summary-without-outputs", test_unmeasured), &
          new_unittest("nan-is-not-lost", test_nan), &
          new_unittest("torque-file-forms", test_tables), &
@@ -379,6 +380,32 @@ contains
          call expect(error, index(text, words) > 0, "no '" // words // "' in" // nl // text)
       end subroutine holds
    end subroutine test_summary
+
+   !> With a thermostat: momenta under baoab are cold where they are written, and what auto promises
+   !> is not about noise.
+   subroutine test_noise(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: bath = "&scene t_end=1 h=0.1 splitting='baoab' /" // body // &
+         "&langevin friction=1 temperature=1 /"
+      type(scene_source) :: source
+      type(scene_settings) :: scene
+      type(run_report) :: report
+      type(run_watch) :: watch
+      type(poinsot_error) :: failure
+      character(:), allocatable :: text
+      call empty_folder("noise")
+      call scan_source(bath, "t.nml", source, failure)
+      call build_scene(source, scene, failure)
+      call run_scene(scene, output // "noise", watch, report, failure)
+      call accepted(error, failure)
+      call get_text(output // "noise/summary.txt", text)
+      call expect(error, index(text, "momenta               are those at ends of steps, which " // &
+         "baoab leaves cold") > 0 .and. index(text, "noise  ") == 0, text)
+      scene%chosen = "exact + baoab"
+      call run_scene(scene, output // "noise", watch, report, failure)
+      call get_text(output // "noise/summary.txt", text)
+      call expect(error, index(text, "noise                 was off in the choice") > 0, text)
+   end subroutine test_noise
 
    !> Where nothing was compared with the start no changes are printed.
    subroutine test_unmeasured(error)

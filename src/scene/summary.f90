@@ -98,6 +98,10 @@ contains
       end if
       if (report%splitting == "taylor") call row(file, "tolerance", text_of(scene%tolerance), error)
       if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
+      if (len(scene%chosen) > 0 .and. index(effects, "langevin") > 0) then
+         call row(file, "noise", "was off in the choice, whose errors are those of states; " // &
+                  "averages: see splitting baoab", error)
+      end if
       call row(file, "seed", text_of(scene%seed), error)
       if (len(scene%from) > 0) call row(file, "continued from", scene%from, error)
       if (len(report%branch) > 0) call row(file, "branch", report%branch, error)
