@@ -47,7 +47,7 @@ contains
       end do
       if (.not. forced) return
       flows%q = x(:, 4:7)
-      call flows%start_torque(t)
+      call flows%start_torque(t, 0.0_dp)
       call flows%finish_torque()
       f(:, 1:3) = f(:, 1:3) + flows%g
    end subroutine slopes

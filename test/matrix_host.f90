@@ -5,7 +5,7 @@ module test_matrix_host
       c_f_pointer
    use poinsot, only: poinsot_torque
    use poinsot_core_kinds, only: dp
-   use test_matrix_problem, only: problem, n, tensor_of, total_rotor
+   use test_matrix_problem, only: problem, n, steps, h, tensor_of, total_rotor
    use test_oracle_algebra, only: cross, quaternion_product, rotate, rotate_back
    implicit none(type, external)
    private
@@ -110,7 +110,8 @@ contains
          case (2)
             p(:3, i) = rotate(q(:, i), y(:, i))
          case (3, 4)
-            p(:3, i) = matmul(tensor_of(this, c, -1), y(:, i) - total_rotor(this, c))
+            p(:3, i) = matmul(tensor_of(this, c, -1), y(:, i) - &
+               total_rotor(this, c, 0.0_dp, 0.0_dp))
             if (form == 4) p(:3, i) = rotate(q(:, i), p(:3, i))
          case default
             p(:, i) = 2*quaternion_product(q(:, i), [0.0_dp, y(:, i)])
@@ -118,10 +119,12 @@ contains
       end do
    end function to_variable
 
+   !> At the end of the steps.
    function from_variable(this, form, p, q) result(y)
       type(problem), intent(in) :: this
       integer, intent(in) :: form
       real(dp), intent(in) :: p(4, n), q(4, n)
+      real(dp), parameter :: end = steps*h
       real(dp) :: y(3, n), w(4)
       integer :: i, c
       do i = 1, n
@@ -134,7 +137,7 @@ contains
             y(:, i) = rotate_back(q(:, i), y(:, i))
          case (3, 4)
             if (form == 4) y(:, i) = rotate_back(q(:, i), y(:, i))
-            y(:, i) = matmul(tensor_of(this, c, 1), y(:, i)) + total_rotor(this, c)
+            y(:, i) = matmul(tensor_of(this, c, 1), y(:, i)) + total_rotor(this, c, end, end - h/2)
          case default
             w = quaternion_product([q(1, i), -q(2:, i)], p(:, i))/2
             y(:, i) = w(2:)

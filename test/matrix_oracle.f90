@@ -6,7 +6,8 @@
 !> of that by a turn of the body.
 module test_matrix_oracle
    use poinsot_core_kinds, only: dp
-   use test_matrix_problem, only: problem, acting, n, classes, steps, h, tensor_of, total_rotor
+   use test_matrix_problem, only: problem, acting, n, classes, steps, h, tensor_of, &
+      total_rotor, in_table, values_of
    implicit none(type, external)
    private
    public :: solve, energies, energy_source, has_law, is_random
@@ -32,7 +33,8 @@ module test_matrix_oracle
    !> What the equations need.
    type :: system
       type(problem) :: of
-      real(wp) :: moment(3, 3, classes), inverse(3, 3, classes), rotor(3, classes)
+      real(wp) :: moment(3, 3, classes), inverse(3, 3, classes)
+      real(wp) :: middle = 0            !! of the step at work: of a jump at its ends it sees its side
       logical :: continuous = .false.   !! friction is a torque; else a flow around each step
    end type system
 
@@ -70,6 +72,7 @@ contains
       x(:3, :) = this%y
       x(4:, :) = this%q
       do k = 1, steps
+         sys%middle = (k - 0.5_wp)*h
          if (.not. continuous) call friction_flow(sys, .true., x)
          call extrapolated_step(sys, (k - 1)*real(h, wp), x, source)
          if (.not. continuous) call friction_flow(sys, .false., x)
@@ -86,7 +89,6 @@ contains
       do c = 1, classes
          sys%moment(:, :, c) = tensor_of(this, c, 1)
          sys%inverse(:, :, c) = tensor_of(this, c, -1)
-         sys%rotor(:, c) = total_rotor(this, c)
       end do
    end function system_of
 
@@ -135,13 +137,22 @@ contains
       if (present(source)) call add_difference(source, t, x, torque)
       do i = 1, n
          c = class_of(i)
-         w = matmul(sys%inverse(:, :, c), x(:3, i) - sys%rotor(:, c))
+         w = matmul(sys%inverse(:, :, c), x(:3, i) - rotor(sys, c, t))
          rate(:3, i) = cross(x(:3, i), w) + torque(:, i)
          if (sys%continuous) rate(:3, i) = rate(:3, i) - matmul(friction_of(sys, c), w)
          rate(4, i) = -dot_product(x(5:, i), w)/2
          rate(5:, i) = (x(4, i)*w + cross(x(5:, i), w))/2
       end do
    end function slope
+
+   !> The momentum of all wheels.
+   pure function rotor(sys, c, t) result(s)
+      type(system), intent(in) :: sys
+      integer, intent(in) :: c
+      real(wp), intent(in) :: t
+      real(wp) :: s(3)
+      s = total_rotor(sys%of, c, real(t, dp), real(sys%middle, dp))
+   end function rotor
 
    !> Torque of one effect on the bodies that it acts on.
    subroutine add_torque(sys, one, t, x, torque)
@@ -159,7 +170,7 @@ contains
          if (.not. acts(one, i)) cycle
          select case (one%name)
          case ("gravity")
-            v = to_body(x(4:, i), unit(one, "up", [0, 0, 1]))
+            v = to_body(x(4:, i), turning(one, "up", t))
             torque(:, i) = torque(:, i) + number(one, "weight", 1.0_wp)*cross(v, vector(one, &
                "centre"))
          case ("field")
@@ -170,12 +181,12 @@ contains
             torque(:, i) = torque(:, i) + 3*number(one, "rate", 0.0_wp)**2/distance_at(one, t)**3* &
                cross(v, matmul(sys%moment(:, :, class_of(i)), v))
          case ("spring")
-            v = to_body(x(4:, i), unit(one, "direction", [0, 0, 1]))
+            v = to_body(x(4:, i), turning(one, "direction", t))
             e = unit(one, "axis", [0, 0, 1])
             torque(:, i) = torque(:, i) + number(one, "stiffness", 0.0_wp)*dot_product(e, v)* &
                cross(e, v)
          case ("torque")
-            v = torque_at(one, t)
+            v = torque_at(one, t, sys%middle)
             if (word(one, "frame", "body") == "space") v = to_body(x(4:, i), v)
             torque(:, i) = torque(:, i) + v
          case default
@@ -194,6 +205,7 @@ contains
       integer :: i, k
       sys = system_of(this)
       t = steps*real(h, wp)
+      sys%middle = t
       x = q
       u = 0
       do k = 1, size(this%effects)
@@ -204,7 +216,7 @@ contains
                select case (one%name)
                case ("gravity")
                   u(i) = u(i) + number(one, "weight", 1.0_wp)*dot_product(to_body(x(:, i), &
-                     unit(one, "up", [0, 0, 1])), vector(one, "centre"))
+                     turning(one, "up", t)), vector(one, "centre"))
                case ("field")
                   u(i) = u(i) - dot_product(to_body(x(:, i), field_at(one, t)), vector(one, &
                      "dipole"))
@@ -213,7 +225,7 @@ contains
                   u(i) = u(i) + 1.5_wp*number(one, "rate", 0.0_wp)**2/distance_at(one, t)**3* &
                      dot_product(v, matmul(sys%moment(:, :, class_of(i)), v))
                case ("spring")
-                  v = to_body(x(:, i), unit(one, "direction", [0, 0, 1]))
+                  v = to_body(x(:, i), turning(one, "direction", t))
                   u(i) = u(i) - number(one, "stiffness", 0.0_wp)/2* &
                      dot_product(unit(one, "axis", [0, 0, 1]), v)**2
                case default
@@ -224,7 +236,7 @@ contains
       end do
       potential = real(u, dp)
       do i = 1, n
-         z = y(:, i) - sys%rotor(:, class_of(i))
+         z = y(:, i) - rotor(sys, class_of(i), t)
          kinetic(i) = real(dot_product(z, matmul(sys%inverse(:, :, class_of(i)), z))/2, dp)
       end do
    end subroutine energies
@@ -249,7 +261,7 @@ contains
                power = matmul(power, m)/c
                flow = flow + power
             end do
-            s = sys%rotor(:, class_of(i))
+            s = rotor(sys, class_of(i), sys%middle + merge(-1, 1, forward)*real(h, wp)/2)
             x(:3, i) = s + matmul(flow, x(:3, i) - s)
          end do
       end do
@@ -348,6 +360,16 @@ contains
          angle)
    end function field_at
 
+   !> A direction that turns.
+   function turning(one, key, t) result(e)
+      type(acting), intent(in) :: one
+      character(*), intent(in) :: key
+      real(wp), intent(in) :: t
+      real(wp) :: e(3)
+      e = turned(unit(one, key, [0, 0, 1]), unit(one, "about", [0, 0, 1]), &
+         number(one, "rate", 0.0_wp)*t + number(one, "phase", 0.0_wp))
+   end function turning
+
    function radial_at(one, t) result(e)
       type(acting), intent(in) :: one
       real(wp), intent(in) :: t
@@ -390,20 +412,13 @@ contains
    end function eccentric_anomaly
 
    !> Constant, harmonic, or linear between times.
-   function torque_at(one, t) result(v)
+   function torque_at(one, t, within) result(v)
       type(acting), intent(in) :: one
-      real(wp), intent(in) :: t
-      real(wp) :: v(3), part
-      real(wp) :: from, to
-      integer :: k
+      real(wp), intent(in) :: t, within
+      real(wp) :: v(3)
       if (given(one, "table")) then
-         v = vector(one, "table")
-         do k = 1, size(one%settings(place(one, "times"))%values) - 1
-            from = number(one, "times", 0.0_wp, k)
-            to = number(one, "times", 0.0_wp, k + 1)
-            part = min(1.0_wp, max(0.0_wp, (t - from)/(to - from)))
-            v = v + part*(vector(one, "table", 3*k + 1) - vector(one, "table", 3*k - 2))
-         end do
+         v = in_table(values_of(one, "times"), values_of(one, "table"), real(t, dp), &
+            real(within, dp))
       else
          v = vector(one, "value")
          if (given(one, "frequency") .or. given(one, "phase")) then

@@ -11,7 +11,8 @@ module test_matrix_problem
    implicit none(type, external)
    private
    public :: problem, acting, n, classes, steps, h, new_problem, with_rotor, random_frame, &
-      permuted_frame, put_in_frame, settings_text, has_effect, total_rotor, tensor_of, matrix_of
+      permuted_frame, put_in_frame, settings_text, has_effect, total_rotor, in_table, values_of, &
+      tensor_of, matrix_of
 
    integer, parameter :: n = 3, classes = n     !! body i is of class i, as a scene has it
    integer, parameter :: steps = 16
@@ -116,7 +117,25 @@ contains
             end if
          end associate
       end do
+      call drop_replaced(info, made%settings)
    end function draw_effect
+
+   !> A vector in whose place a table in time was drawn is not given.
+   subroutine drop_replaced(info, settings)
+      type(effect_info), intent(in) :: info
+      type(setting), allocatable, intent(inout) :: settings(:)
+      type(setting), allocatable :: kept(:)
+      integer :: i, k
+      do k = 1, size(info%keys)
+         if (info%keys(k)%name /= "table" .or. info%keys(k)%instead_of == "") cycle
+         if (.not. any([(settings(i)%key == "table", i=1, size(settings))])) return
+         allocate (kept(0))
+         do i = 1, size(settings)
+            if (settings(i)%key /= info%keys(k)%instead_of) kept = [kept, settings(i)]
+         end do
+         call move_alloc(kept, settings)
+      end do
+   end subroutine drop_replaced
 
    !> As many numbers as a key takes: at least, at most, or for every body and class.
    function numbers(this, key) result(values)
@@ -132,6 +151,7 @@ contains
       do i = 1, count
          if (key%units == "time") then
             values(i) = 4*i*h   ! knots of tables at ends of steps: within them the order is 2
+            if (i == 2 .and. draw(this) < 0.4_dp) values(2) = values(1) ! a jump
             cycle
          end if
          values(i) = 0.2_dp + 0.6_dp*draw(this)
@@ -269,10 +289,12 @@ contains
       end do
    end function has_effect
 
-   !> The momentum of all wheels of a class.
-   pure function total_rotor(this, class) result(s)
+   !> The momentum of all wheels of a class at time t; of one that jumps there, what it has at time
+   !> `within`.
+   pure function total_rotor(this, class, t, within) result(s)
       type(problem), intent(in) :: this
       integer, intent(in) :: class
+      real(dp), intent(in) :: t, within
       real(dp) :: s(3)
       integer :: i, k
       s = 0
@@ -280,11 +302,35 @@ contains
          if (this%effects(i)%name /= "gyrostat") cycle
          if (this%effects(i)%class /= 0 .and. this%effects(i)%class /= class) cycle
          do k = 1, size(this%effects(i)%settings)
-            if (this%effects(i)%settings(k)%key /= "rotor") cycle
-            s = s + this%effects(i)%settings(k)%values
+            if (this%effects(i)%settings(k)%key == "rotor") s = s + &
+               this%effects(i)%settings(k)%values
+            if (this%effects(i)%settings(k)%key == "table") s = s + in_table( &
+               values_of(this%effects(i), "times"), this%effects(i)%settings(k)%values, t, within)
          end do
       end do
    end function total_rotor
+
+   !> A table at time t: linear in the piece that holds the time `within`.
+   pure function in_table(times, table, t, within) result(v)
+      real(dp), intent(in) :: times(:), table(:), t, within
+      real(dp) :: v(3)
+      integer :: k
+      k = count(times <= within)
+      v = table(3*max(k, 1) - 2:3*max(k, 1))
+      if (k < 1 .or. k == size(times)) return
+      v = v + (table(3*k + 1:3*k + 3) - v)*((t - times(k))/(times(k + 1) - times(k)))
+   end function in_table
+
+   pure function values_of(this, key) result(values)
+      type(acting), intent(in) :: this
+      character(*), intent(in) :: key
+      real(dp), allocatable :: values(:)
+      integer :: i
+      allocate (values(0))
+      do i = 1, size(this%settings)
+         if (this%settings(i)%key == key) values = this%settings(i)%values
+      end do
+   end function values_of
 
    !> J to the power +1 or -1 of a class, in the frame.
    pure function tensor_of(this, class, power) result(j)

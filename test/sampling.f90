@@ -69,12 +69,12 @@ contains
          call run_steps(it%scheme, it%block, 0.0_dp, h, k, 1_i8)
          inside = inside + heat_of(it)
       else ! the same by its flows
-         call it%block%kick(0.0_dp, h/2, 0.0_dp)
-         call it%block%drift(h/2)
-         call it%block%dissipate(h, k)
+         call it%block%kick(0.0_dp, h/2, 0.0_dp, 0.0_dp)
+         call it%block%drift(0.0_dp, h/2)
+         call it%block%dissipate(0.0_dp, h, k)
          inside = inside + heat_of(it)
-         call it%block%drift(h/2)
-         call it%block%kick(0.0_dp, h/2, 0.0_dp)
+         call it%block%drift(0.0_dp, h/2)
+         call it%block%kick(0.0_dp, h/2, 0.0_dp, 0.0_dp)
       end if
    end subroutine take_step
 

@@ -17,6 +17,7 @@ module test_effect
    use test_effect_random, only: collect_random
    use test_effect_torque, only: collect_torque, energy_of, states
    use test_expectation, only: expect
+   use test_effect_time, only: collect_effect_time
    use test_turning, only: generic_y
    implicit none(type, external)
    private
@@ -26,7 +27,8 @@ contains
 
    subroutine collect_effect(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: torques(:), motion(:), random(:), formulas(:)
+      type(unittest_type), allocatable :: torques(:), motion(:), random(:), formulas(:), &
+         in_time(:)
       testsuite = [ &
          new_unittest("rows-are-complete", test_rows), &
          new_unittest("every-row-makes-its-effect", test_making), &
@@ -39,7 +41,8 @@ contains
       call collect_motion(motion)
       call collect_random(random)
       call collect_potential(formulas)
-      testsuite = [testsuite, torques, motion, random, formulas]
+      call collect_effect_time(in_time)
+      testsuite = [testsuite, torques, motion, random, formulas, in_time]
    end subroutine collect_effect
 
    subroutine test_rows(error)
@@ -154,7 +157,7 @@ contains
          number_setting("normal", [1.0_dp, 0.0_dp, 1.0_dp])], d, error)
       call refused("torque", [number_setting("times", [0.0_dp, 1.0_dp]), &
          number_setting("table", [1.0_dp, 2.0_dp, 3.0_dp])], s, error)
-      call refused("torque", [number_setting("times", [1.0_dp, 1.0_dp]), &
+      call refused("torque", [number_setting("times", [1.0_dp, 0.5_dp]), &
          number_setting("table", [1.0_dp, 2.0_dp, 3.0_dp, 1.0_dp, 2.0_dp, 3.0_dp])], d, error)
       call refused("torque", [number_setting("times", [1.0_dp]), number_setting("table", &
                    generic_y), number_setting("value", generic_y)], d, error)

@@ -497,18 +497,18 @@ contains
       e = sum(kinetic(1:2)) + sum(u)
    end function energy
 
-   subroutine coupled_drift(self, h)
+   subroutine coupled_drift(self, t, h)
       class(coupled), intent(inout) :: self
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: t, h
       self%fresh = .false.
-      call self%block%drift(h)
+      call self%block%drift(t, h)
    end subroutine coupled_drift
 
-   subroutine coupled_kick(self, t, b, c)
+   subroutine coupled_kick(self, t, b, c, ahead)
       class(coupled), intent(inout) :: self
-      real(dp), intent(in) :: t, b, c
+      real(dp), intent(in) :: t, b, c, ahead
       real(dp) :: g(lanes, 3, 1), x(3, 2)
-      g = 0*(t + c)
+      g = 0*(t + c + ahead)
       if (.not. self%fresh) then
          call self%pair%add_torques([1], reshape(self%body, [lanes, 1]), reshape(self%block%q, &
             [lanes, 4, 1]), x, g)

@@ -106,7 +106,7 @@ contains
          effects(1)%it, refusal)
       call set_up(it, generic_moments_of, "exact", "chin4", effects)
       call place(it, [0.0_dp, 0.0_dp, 0.0_dp], generic_q)
-      call it%block%kick(0.0_dp, 0.0_dp, 1.0_dp)
+      call it%block%kick(0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp)
       m = 1/generic_moments_of
       v = rotate_back(generic_q, [0.0_dp, 0.0_dp, 1.0_dp])
       g = [2*v(2)*v(3)*m(1), -2*v(1)*v(3)*m(2), -2*v(1)*v(2)*(m(1) - m(2))]
@@ -278,7 +278,7 @@ contains
          call set_up(it, moments, "exact", "omelyan4", effects)
          call expect(error, it%good, it%message)
          call place(it, y, generic_q)
-         call it%block%kick(0.3_dp, 0.1_dp, 0.1_dp)
+         call it%block%kick(0.3_dp, 0.1_dp, 0.1_dp, 0.0_dp)
          call expect(error, all(it%block%y(:, j) == 0) .and. all(abs(it%block%y(1, :) - y) &
             > 0 .or. y == 0), "kick")
       end do

@@ -27,7 +27,8 @@ module test_splitting
    !> A system that writes down what a stepper asks of it.
    type, extends(flows) :: recorder
       integer :: evaluations = 0, kicks = 0, drifts = 0
-      real(dp) :: moved = 0, pushed = 0, last_time = -1, evaluated_at = -1
+      integer :: from_ahead = 0, from_behind = 0  !! kicks at the beginning and at the end of steps
+      real(dp) :: moved = 0, pushed = 0, last_time = -1, evaluated_at = -1, now = 0
       logical :: stale = .false.   !! was a stored torque used at another time?
    contains
       procedure :: drift => record_drift
@@ -223,6 +224,7 @@ contains
          if (.not. is_table(i)) cycle
          scheme = row(i)
          log = recorder(fresh=.false., has_dissipation=.false., halted=.false.)
+         log%now = t + 7*h
          call run_steps(scheme, log, t, h, 7_i8, 5_i8)
          kicks = count(scheme%operations%is_kick)
          call expect(error, log%kicks == 5*kicks .and. &
@@ -235,6 +237,11 @@ contains
          call expect(error, .not. log%stale, "a stored torque served another time: "//scheme%name)
          call expect(error, abs(log%moved - 0.5_dp) < 1e-14_dp .and. abs(log%pushed - &
                     0.5_dp) < 1e-14_dp, "five steps are not five steps: "//scheme%name)
+         associate (ops => scheme%operations)
+            call expect(error, log%from_ahead == 5*count(ops%is_kick .and. ops%node <= 0) .and. &
+               log%from_behind == 5*count(ops%is_kick .and. ops%node >= 1), &
+               "kicks at the ends of steps: "//scheme%name)
+         end associate
          if (scheme%operations(1)%is_kick) call expect(error, log%last_time, t + 12*h, &
             "end", thr=1e-15_dp)
       end do
@@ -348,17 +355,21 @@ contains
       close (unit)
    end subroutine read_table
 
-   subroutine record_drift(self, h)
+   subroutine record_drift(self, t, h)
       class(recorder), intent(inout) :: self
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: t, h
+      self%now = t + h
       self%fresh = .false.
       self%drifts = self%drifts + 1
       self%moved = self%moved + h
    end subroutine record_drift
 
-   subroutine record_kick(self, t, b, c)
+   subroutine record_kick(self, t, b, c, ahead)
       class(recorder), intent(inout) :: self
-      real(dp), intent(in) :: t, b, c
+      real(dp), intent(in) :: t, b, c, ahead
+      if (abs(t - self%now) > 1e-13_dp) self%stale = .true. ! the drifts have come to another time
+      if (ahead > 0) self%from_ahead = self%from_ahead + 1
+      if (ahead < 0) self%from_behind = self%from_behind + 1
       if (.not. self%fresh) then
          self%evaluations = self%evaluations + 1
          self%evaluated_at = t

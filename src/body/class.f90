@@ -9,6 +9,7 @@
 module poinsot_body_class
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_time_table, only: time_table
    use poinsot_body_moments, only: accept_moments
    use poinsot_body_constants, only: lane_constants, make_constants
    use poinsot_body_series, only: max_degree, first_tabulated, degree_bound, correction_series
@@ -18,7 +19,7 @@ module poinsot_body_class
       short_product_error, long_sine_error
    implicit none(type, external)
    private
-   public :: body_class, make_class, extend_class, needs_more, long_series
+   public :: body_class, make_class, rotor_at, extend_class, needs_more, long_series
    public :: series_levels, longest_step, highest_degree, fastest
 
    integer, parameter :: series_levels = 2              !! lengths of series the exact step offers
@@ -63,6 +64,8 @@ module poinsot_body_class
                                            !! body, principal frame: omega = (y - s)/I
       real(dp) :: rotor_rate = 0           !! |I^-1 s|
       logical :: has_rotor = .false.
+      !> rotors whose momentum changes with time: s is `rotor` and all of them (rotor_at)
+      type(time_table), allocatable :: wheels(:)
    end type body_class
 
 contains
@@ -133,6 +136,20 @@ contains
       one%g1 = ratio(one%theta, i1)*i3
       one%g3 = low*(i1/i3)
    end subroutine take_first
+
+   !> The momentum s of all rotors at time t.
+   pure function rotor_at(class, t, ahead) result(rotor)
+      type(body_class), intent(in) :: class
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: ahead    !! of a jump at t, which side is meant (time_table%seen)
+      real(dp) :: rotor(3)
+      integer :: i
+      rotor = class%rotor
+      if (.not. allocated(class%wheels)) return
+      do i = 1, size(class%wheels)
+         rotor = rotor + class%wheels(i)%at(class%wheels(i)%seen(t, ahead))
+      end do
+   end function rotor_at
 
    !> Keep the series that a method with more terms of it needs than every class has (`dmv12` and
    !> on). Without it such a method works them out at every call.

@@ -37,6 +37,8 @@ module poinsot_effect_effect
       procedure(add_energy), deferred :: add_energy
       procedure :: has_gradient => has_no_gradient
       procedure :: add_derivative => add_no_derivative
+      procedure :: jumps => never_jumps
+      procedure :: seen => seen_at_once
    end type torque_effect
 
    !> An exact flow outside the splitting: O(h/2) [scheme(h)] O(h/2), order 2 whatever the scheme.
@@ -173,6 +175,24 @@ contains
       end associate
       has_no_gradient = .false.
    end function has_no_gradient
+
+   !> Does the torque jump in time?
+   pure logical function never_jumps(self)
+      class(torque_effect), intent(in) :: self
+      associate (unused => self%class_index)
+      end associate
+      never_jumps = .false.
+   end function never_jumps
+
+   !> The time to ask a torque about that may jump, for who stands at t and looks ahead
+   !> (time_table%seen).
+   pure real(dp) function seen_at_once(self, t, ahead)
+      class(torque_effect), intent(in) :: self
+      real(dp), intent(in) :: t, ahead
+      associate (unused_1 => self%class_index, unused_2 => ahead)
+      end associate
+      seen_at_once = t
+   end function seen_at_once
 
    !> dg += Dg[delta], the change of the body torque along Q -> Q exp(hat(delta)) (mathematics.md
    !> section 6).

@@ -5,10 +5,11 @@ module poinsot_effect_gravity
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: add_linear_torque, add_linear_energy, add_linear_derivative
-   use poinsot_effect_terms, only: torque_terms, linear_term, space_direction, cross_matrix
+   use poinsot_effect_terms, only: torque_terms, linear_term, cross_matrix
+   use poinsot_effect_turning, only: turning_direction, turning_keys, get_turning
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, &
-      get_value, get_direction, body_vector
+      get_value, body_vector
    implicit none(type, external)
    private
    public :: gravity, gravity_label, gravity_row
@@ -18,7 +19,7 @@ module poinsot_effect_gravity
    !> U = weight (Q^T up) . centre
    type, extends(torque_effect) :: gravity
       real(dp) :: arm(3) = 0  !! weight times centre of mass, body frame
-      real(dp) :: up(3) = 0   !! unit vector in space
+      type(turning_direction) :: up !! in space
    contains
       procedure :: add_torque
       procedure :: add_terms
@@ -40,7 +41,8 @@ contains
                   number_key("centre", 3, 3, "required", "length", &
                   "centre of mass from the fixed point, body frame", body_vector), &
                   number_key("weight", 1, 1, "1", "force", "mass times acceleration of gravity"), &
-                  number_key("up", 3, 3, "0,0,1", "direction", "upwards, in space; normalised")])
+                  number_key("up", 3, 3, "0,0,1", "direction", "upwards, in space; normalised"), &
+                  turning_keys("up")])
       row%make => make_gravity
    end function gravity_row
 
@@ -52,7 +54,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(gravity) :: new
       real(dp), allocatable :: centre(:)
-      call get_direction(info, settings, "up", new%up, error)
+      call get_turning(info, settings, "up", new%up, error)
       if (raised(error)) return
       call get_values(info, settings, "centre", centre)
       new%arm = get_value(info, settings, "weight")*centre
@@ -65,9 +67,9 @@ contains
       real(dp), intent(in) :: t
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: g(lanes, 3)
-      associate (unused_1 => class%moments, unused_2 => t)
+      associate (unused => class%moments)
       end associate
-      call add_linear_torque(self%up, self%arm, q, g)
+      call add_linear_torque(self%up%at_time(t), self%arm, q, g)
    end subroutine add_torque
 
    subroutine add_energy(self, class, t, q, u)
@@ -76,9 +78,9 @@ contains
       real(dp), intent(in) :: t
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: u(lanes)
-      associate (unused_1 => class%moments, unused_2 => t)
+      associate (unused => class%moments)
       end associate
-      call add_linear_energy(self%up, self%arm, q, u)
+      call add_linear_energy(self%up%at_time(t), self%arm, q, u)
    end subroutine add_energy
 
    pure logical function has_gradient(self)
@@ -95,9 +97,9 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(in) :: delta(lanes, 3)
       real(dp), intent(inout) :: dg(lanes, 3)
-      associate (unused_1 => class%moments, unused_2 => t)
+      associate (unused => class%moments)
       end associate
-      call add_linear_derivative(self%up, self%arm, q, delta, dg)
+      call add_linear_derivative(self%up%at_time(t), self%arm, q, delta, dg)
    end subroutine add_derivative
 
    !> The effect as data.
@@ -109,7 +111,7 @@ contains
       associate (unused => class%moments)
       end associate
       served = .true.
-      call terms%add_linear(linear_term(space_direction(self%up), cross_matrix(self%arm)))
+      call terms%add_linear(linear_term(self%up%as_data(), cross_matrix(self%arm)))
    end subroutine add_terms
 
 end module poinsot_effect_gravity

@@ -5,7 +5,8 @@ module poinsot_effect_spring
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
-   use poinsot_effect_terms, only: torque_terms, quadratic_term, space_direction
+   use poinsot_effect_terms, only: torque_terms, quadratic_term
+   use poinsot_effect_turning, only: turning_direction, turning_keys, get_turning
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, &
       get_direction, body_vector
@@ -19,7 +20,7 @@ module poinsot_effect_spring
    type, extends(torque_effect) :: spring
       real(dp) :: stiffness = 0
       real(dp) :: axis(3) = [0, 0, 1]       !! unit vector, body frame
-      real(dp) :: direction(3) = [0, 0, 1]  !! unit vector in space
+      type(turning_direction) :: direction  !! in space
    contains
       procedure :: add_torque
       procedure :: add_terms
@@ -42,7 +43,8 @@ contains
                   number_key("axis", 3, 3, "0,0,1", "direction", &
                   "the axis it aligns, body frame; normalised", body_vector), &
                   number_key("direction", 3, 3, "0,0,1", "direction", &
-                  "what it aligns it with, in space; normalised")])
+                  "what it aligns it with, in space; normalised"), &
+                  turning_keys("direction")])
       row%make => make_spring
    end function spring_row
 
@@ -54,7 +56,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(spring) :: new
       call get_direction(info, settings, "axis", new%axis, error)
-      if (.not. raised(error)) call get_direction(info, settings, "direction", new%direction, error)
+      if (.not. raised(error)) call get_turning(info, settings, "direction", new%direction, error)
       if (raised(error)) return
       new%stiffness = get_value(info, settings, "stiffness")
       made = new
@@ -68,10 +70,10 @@ contains
       real(dp), intent(inout) :: g(lanes, 3)
       real(dp) :: v(lanes, 3), n(3), pull
       integer :: i
-      associate (unused_1 => class%moments, unused_2 => t)
+      associate (unused => class%moments)
       end associate
       n = self%axis
-      call to_body(self%direction, q, v)
+      call to_body(self%direction%at_time(t), q, v)
       !$omp simd private(pull)
       do i = 1, lanes
          pull = self%stiffness*(n(1)*v(i, 1) + n(2)*v(i, 2) + n(3)*v(i, 3))
@@ -88,9 +90,9 @@ contains
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: u(lanes)
       real(dp) :: v(lanes, 3)
-      associate (unused_1 => class%moments, unused_2 => t)
+      associate (unused => class%moments)
       end associate
-      call to_body(self%direction, q, v)
+      call to_body(self%direction%at_time(t), q, v)
       u = u - 0.5_dp*self%stiffness*(self%axis(1)*v(:, 1) + self%axis(2)*v(:, 2) + &
                                      self%axis(3)*v(:, 3))**2
    end subroutine add_energy
@@ -112,10 +114,10 @@ contains
       real(dp), intent(inout) :: dg(lanes, 3)
       real(dp) :: v(lanes, 3), n(3), w1, w2, w3, pull, change, m1, m2, m3
       integer :: i
-      associate (unused_1 => class%moments, unused_2 => t)
+      associate (unused => class%moments)
       end associate
       n = self%axis
-      call to_body(self%direction, q, v)
+      call to_body(self%direction%at_time(t), q, v)
       !$omp simd private(w1, w2, w3, pull, change, m1, m2, m3)
       do i = 1, lanes
          w1 = v(i, 2)*delta(i, 3) - v(i, 3)*delta(i, 2)
@@ -142,7 +144,7 @@ contains
       end associate
       served = .true.
       associate (a => self%axis, k => self%stiffness)
-         call terms%add_quadratic(quadratic_term(space_direction(self%direction), &
+         call terms%add_quadratic(quadratic_term(self%direction%as_data(), &
             [k*((a(2) - a(3))*(a(2) + a(3))), k*((a(3) - a(1))*(a(3) + a(1))), &
              k*((a(1) - a(2))*(a(1) + a(2)))], [-k*(a(2)*a(3)), -k*(a(3)*a(1)), -k*(a(1)*a(2))]))
       end associate

@@ -1,12 +1,14 @@
 !> A prescribed torque, in the body frame or in space: constant, harmonic, or a table in time.
 module poinsot_effect_torque
    use poinsot_core_kinds, only: dp, lanes
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
+   use poinsot_core_status, only: poinsot_e_domain
+   use poinsot_core_time_table, only: time_table
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
    use poinsot_effect_terms, only: torque_terms, linear_term, body_term, table_term, space_direction
+   use poinsot_effect_time_settings, only: times_key, read_time_table
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
       get_value, get_text, was_given, body_vector
@@ -22,10 +24,11 @@ module poinsot_effect_torque
       logical :: harmonic = .false.
       real(dp) :: value(3) = 0
       real(dp) :: frequency = 0, phase = 0      !! radians per time, radians
-      real(dp), allocatable :: times(:)         !! (n), increasing; allocated for a table
-      real(dp), allocatable :: table(:, :)      !! (3, n)
+      type(time_table), allocatable :: table    !! instead of these
    contains
       procedure :: at_time
+      procedure :: jumps
+      procedure :: seen
       procedure :: add_torque
       procedure :: add_terms
       procedure :: add_energy
@@ -50,8 +53,7 @@ contains
                   number_key("frequency", 1, 1, "0", "radians per time", &
                   "W of a harmonic torque"), &
                   number_key("phase", 1, 1, "0", "radians", "phase at t = 0"), &
-                  number_key("times", 1, -1, "", "time", &
-                  "increasing; constant beyond both ends; a knot within a step: order 2"), &
+                  times_key(), &
                   number_key("table", 3, -1, "", "torque", "three numbers for each time", &
                   body_vector, "frame"), &
                   text_key("file", "", "", "scene only: file with lines of t, three torques")])
@@ -72,49 +74,23 @@ contains
       new%frequency = get_value(info, settings, "frequency")
       new%phase = get_value(info, settings, "phase")
       new%harmonic = was_given(settings, "frequency") .or. was_given(settings, "phase")
-      if (was_given(settings, "times") .or. was_given(settings, "table")) then
-         call read_table(info, settings, new, error)
-         if (raised(error)) return
-      else if (was_given(settings, "file")) then
-         call raise(error, poinsot_e_domain, "effect 'torque': key 'file' is for scene files; " // &
-                    "give 'times' and 'table' instead")
-         return
-      end if
-      made = new
-   end subroutine make_torque
-
-   subroutine read_table(info, settings, new, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      type(torque), intent(inout) :: new
-      type(poinsot_error), intent(inout) :: error
-      real(dp), allocatable :: values(:)
-      integer :: n
-      if (was_given(settings, "value") .or. new%harmonic) then
+      call read_time_table(info, settings, new%table, error)
+      if (raised(error)) return
+      if (allocated(new%table) .and. (was_given(settings, "value") .or. new%harmonic)) then
          call raise(error, poinsot_e_domain, "effect 'torque': give either a table " // &
                     "or 'value', 'frequency', 'phase', not both")
          return
       end if
-      call get_values(info, settings, "times", new%times)
-      call get_values(info, settings, "table", values)
-      n = size(new%times)
-      if (n == 0 .or. size(values) /= 3*n) then
-         call raise(error, poinsot_e_size, &
-                    "effect 'torque': key 'table' takes three numbers for each number of 'times'")
-      else if (any(new%times(2:) <= new%times(:n - 1))) then
-         call raise(error, poinsot_e_domain, "effect 'torque': key 'times' must increase")
-      else
-         new%table = reshape(values, [3, n])
-      end if
-   end subroutine read_table
+      made = new
+   end subroutine make_torque
 
    !> The torque at time t, in its own frame.
    pure function at_time(self, t) result(value)
       class(torque), intent(in) :: self
       real(dp), intent(in) :: t
       real(dp) :: value(3)
-      if (allocated(self%times)) then
-         value = interpolated(self%times, self%table, t)
+      if (allocated(self%table)) then
+         value = self%table%at(t)
       else if (self%harmonic) then
          value = self%value*cos(self%frequency*t + self%phase)
       else
@@ -122,29 +98,18 @@ contains
       end if
    end function at_time
 
-   pure function interpolated(times, table, t) result(value)
-      real(dp), intent(in) :: times(:), table(:, :), t
-      real(dp) :: value(3), part
-      integer :: low, high, middle
-      low = 1
-      high = size(times)
-      if (t <= times(low)) then
-         value = table(:, low)
-      else if (t >= times(high)) then
-         value = table(:, high)
-      else
-         do while (high - low > 1)
-            middle = (low + high)/2
-            if (t < times(middle)) then
-               high = middle
-            else
-               low = middle
-            end if
-         end do
-         part = (t - times(low))/(times(high) - times(low))
-         value = table(:, low) + part*(table(:, high) - table(:, low))
-      end if
-   end function interpolated
+   pure logical function jumps(self)
+      class(torque), intent(in) :: self
+      jumps = .false.
+      if (allocated(self%table)) jumps = self%table%jumps
+   end function jumps
+
+   pure real(dp) function seen(self, t, ahead)
+      class(torque), intent(in) :: self
+      real(dp), intent(in) :: t, ahead
+      seen = t
+      if (allocated(self%table)) seen = self%table%seen(t, ahead)
+   end function seen
 
    subroutine add_torque(self, class, t, q, g)
       class(torque), intent(in) :: self
@@ -218,8 +183,8 @@ contains
       associate (unused => class%moments)
       end associate
       served = .true.
-      if (allocated(self%times)) then
-         call terms%add_table(table_term(self%in_space, self%times, self%table))
+      if (allocated(self%table)) then
+         call terms%add_table(table_term(self%in_space, self%table%times, self%table%values))
       else if (self%in_space) then
          call terms%add_linear(linear_term(space_direction(self%value), reshape(identity, [3, 3]), &
             self%harmonic, self%frequency, self%phase))

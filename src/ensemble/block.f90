@@ -11,7 +11,7 @@ module poinsot_ensemble_block
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_not_finite, &
       poinsot_e_not_unit, poinsot_e_axis_momentum
-   use poinsot_body_class, only: body_class
+   use poinsot_body_class, only: body_class, rotor_at
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_free_lane_moments, only: lane_moments, take_scale, take_moments
    use poinsot_free_limits, only: reject_speed, reject_speed_each
@@ -20,8 +20,14 @@ module poinsot_ensemble_block
    use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
    private
-   public :: host_arrays, open_host, reject, load_block, store_block, store_status, add_momentum, &
-      reject_values, reject_torques, add_products, reject_energies
+   public :: clock, host_arrays, open_host, reject, load_block, store_block, store_status, &
+      add_momentum, reject_values, reject_torques, add_products, reject_energies
+
+   !> A time, and whence rotors that jump there are seen (rotor_at).
+   type :: clock
+      real(dp) :: t = 0
+      real(dp) :: ahead = 0
+   end type clock
 
    !> The caller's arrays as one call sees them.
    type :: host_arrays
@@ -32,6 +38,7 @@ module poinsot_ensemble_block
                                                    !! frame a class was given in
       logical :: has_own = .false.                 !! bodies have moments of their own
       logical :: wants_id = .false.                !! random numbers are drawn by body
+      type(clock) :: loaded, stored                !! when velocities are read and written
    end type host_arrays
 
    real(dp), parameter :: norm_slack = 2e-6_dp   !! of |q|^2: |q| within 1e-6 of 1
@@ -58,6 +65,15 @@ contains
       host%q%scattered = associated(view%q_at)
       host%has_own = associated(view%scale) .or. associated(view%moments(1)%of)
    end subroutine open_host
+
+   !> The momentum of a class's rotors at a time.
+   pure function rotor_then(class, when) result(rotor)
+      type(body_class), intent(in) :: class
+      type(clock), intent(in) :: when
+      real(dp) :: rotor(3)
+      rotor = class%rotor
+      if (allocated(class%wheels)) rotor = rotor_at(class, when%t, when%ahead)
+   end function rotor_then
 
    !> Fill a block with n bodies of one class and check them.
    subroutine load_block(host, at, n, number, class, own, b)
@@ -90,7 +106,8 @@ contains
          p = 0
          call take(host%y, host%view%y_at, at, n, p)
          call reject(b%nvec, 4, [huge(p), huge(p), huge(p), huge(p)], p, b%q, b%status)
-         call to_native(host%momentum, is_turned(host, class), class, p, b%y, b%q)
+         call to_native(host%momentum, is_turned(host, class), class, rotor_then(class, host%loaded), &
+            p, b%y, b%q)
          call reject_speed(class, b%y, b%status)
       end if
       if (class%sorted(1) <= 0 .and. .not. host%has_own) then
@@ -133,7 +150,8 @@ contains
          p(l, :) = 0
          call rest(l, l, p, b%q)
       end do
-      call to_native(host%momentum, is_turned(host, b%class), b%class, p, b%y, b%q, own)
+      call to_native(host%momentum, is_turned(host, b%class), b%class, &
+         rotor_then(b%class, host%loaded), p, b%y, b%q, own)
       call reject_speed_each(own%limit, b%y, b%status, b%nvec)
       if (own%linear) call reject_axis_momentum(own%inverse, b)
    end subroutine load_own
@@ -413,7 +431,8 @@ contains
          if (.not. keep_momentum) call give(host%y, host%view%y_at, b%at, n, b%y)
          if (.not. keep_attitude) call give(host%q, host%view%q_at, b%at, n, b%q)
       else
-         call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, b%q, p, b%own)
+         call from_native(host%momentum, is_turned(host, b%class), b%class, &
+            rotor_then(b%class, host%stored), b%y, b%q, p, b%own)
          call pack_lanes(b, p, at, n)
          if (n > 0 .and. .not. keep_momentum) call give(host%y, host%view%y_at, at, n, p)
          if (n > 0 .and. .not. keep_attitude) call give(host%q, host%view%q_at, at, n, b%q)
@@ -433,7 +452,8 @@ contains
       real(dp) :: q(lanes, 4)
       integer :: l
       q = b%q
-      call from_native(host%momentum, is_turned(host, b%class), b%class, b%y, q, p, b%own)
+      call from_native(host%momentum, is_turned(host, b%class), b%class, &
+         rotor_then(b%class, host%stored), b%y, q, p, b%own)
       do l = 1, b%n
          if (.not. b%dropped(l) .or. b%status(l) /= poinsot_ok) cycle
          p(1, :) = p(l, :)

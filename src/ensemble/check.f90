@@ -64,14 +64,20 @@ contains
       end if
    end subroutine check_own
 
-   !> With moments for each body: does the plan do without those of a class? POINSOT_E_METHOD if
-   !> not.
+   !> With moments for each body: does the plan do without those of a class? With rotors that change:
+   !> does the call know the time? POINSOT_E_METHOD if not.
    subroutine check_moments(plan, view, purpose, error)
       type(poinsot_plan), intent(in) :: plan    !! ready
       type(body_view), intent(in) :: view
       integer, intent(in) :: purpose            !! to_drift, to_kick, ... of above
       type(poinsot_error), intent(inout) :: error
       integer :: i
+      if (plan%wheels_change .and. wants_time(plan, purpose)) then
+         call raise(error, poinsot_e_method, "effect 'gyrostat': the momentum of a rotor changes " &
+            //"with time, and this call does not say at which time it is; poinsot_step and " &
+            //"poinsot_energy do")
+         return
+      end if
       if (.not. associated(view%moments(1)%of)) return
       if (purpose == to_drift .or. purpose == to_step) then
          if (.not. takes_moments(plan%method)) then
@@ -94,6 +100,15 @@ contains
          return
       end do
    end subroutine check_moments
+
+   !> Does a call without a time need one, where rotors change?
+   pure logical function wants_time(plan, purpose)
+      type(poinsot_plan), intent(in) :: plan
+      integer, intent(in) :: purpose
+      wants_time = purpose == to_drift .or. (purpose == to_dissipate .and. plan%has_dissipation)
+      if (purpose == to_kick) wants_time = plan%momentum == body_velocity .or. &
+         plan%momentum == space_velocity
+   end function wants_time
 
    !> Does an effect that uses moments change what is asked for?
    pure logical function matters(plan, one, purpose)

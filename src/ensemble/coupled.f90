@@ -5,13 +5,13 @@ module poinsot_ensemble_coupled
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_memory, &
       poinsot_e_partial
-   use poinsot_ensemble_block, only: reject_energies
+   use poinsot_ensemble_block, only: clock, reject_energies
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_chunk, only: refuse_rounding
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_system, only: torque_callback, ensemble_flows, scatter_all, add_pairs
    use poinsot_ensemble_gather, only: saved_state, gather_all, store_all, save_state, restore_state
-   use poinsot_splitting_stepper, only: run_steps, apply_preprocessor, apply_postprocessor
+   use poinsot_splitting_stepper, only: glance, run_steps, apply_preprocessor, apply_postprocessor
    implicit none(type, external)
    private
    public :: torque_callback, run_coupled, coupled_energy
@@ -40,6 +40,7 @@ contains
          return
       end if
       if (present(callback)) system%callback => callback
+      system%loaded = clock(t + real(first, dp)*h, glance*h)
       call gather_all(plan, view, system, failed, error)
       if (.not. raised(error)) then
          allocate (before(merge(size(system%at), 0, present(callback))), stat=state)
@@ -65,6 +66,7 @@ contains
       else
          call apply_postprocessor(plan%splitting, system, t, h, first + steps)
       end if
+      system%stored = clock(t + real(k, dp)*h, glance*h) ! as the next call looks
       call store_all(plan, view, system, failed)
       status = merge(poinsot_e_partial, poinsot_ok, failed)
       if (raised(error)) status = error%code
@@ -90,6 +92,7 @@ contains
          status = merge(poinsot_e_partial, poinsot_ok, failed)
          return
       end if
+      system%loaded = clock(t, 0.0_dp)
       call gather_all(plan, view, system, failed, error)
       status = error%code
       if (raised(error)) return

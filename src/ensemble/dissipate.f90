@@ -61,7 +61,7 @@ contains
       type(block_flows), intent(inout) :: b
       call attach_plan(self%plan, b)
       if (b%has_dissipation) then
-         call b%dissipate(self%h, self%step)
+         call b%dissipate(0.0_dp, self%h, self%step)
       else
          b%stored = .true.
          b%status = poinsot_ok

@@ -8,7 +8,8 @@ module poinsot_ensemble_drive
    use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_partial
    use poinsot_body_class, only: body_class
-   use poinsot_ensemble_block, only: host_arrays, open_host, load_block, store_block, store_status
+   use poinsot_ensemble_block, only: clock, host_arrays, open_host, &
+      load_block, store_block, store_status
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_length, chunk_count, collect_chunk, &
       next_block, refuse_rounding
@@ -33,6 +34,7 @@ module poinsot_ensemble_drive
       logical :: wants_id = .false.      !! it draws random numbers
       logical :: read_only = .false.     !! nothing is written back but statuses
       real(dp) :: ns = 10                !! about what a body takes, in nanoseconds
+      type(clock) :: loaded, stored      !! when velocities are read and written; 0 without them
    contains
       procedure(run_job), deferred :: run
    end type block_job
@@ -76,6 +78,8 @@ contains
          call open_host(view, body_momentum, .true., host)
       end if
       host%wants_id = job%wants_id
+      host%loaded = job%loaded
+      host%stored = job%stored
       short = .false.
       if (team > 1) then
          !$omp parallel num_threads(team) default(none) reduction(.or.: failed) &

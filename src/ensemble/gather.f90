@@ -126,6 +126,7 @@ contains
       integer :: at(lanes), length, c, k, n, class
       if (view%n > 0) call open_host(view, plan%momentum, plan%principal, host)
       host%wants_id = .true.
+      host%loaded = system%loaded
       k = 0
       length = chunk_length(view, 1)
       do c = 1, chunk_count(view%n, length)
@@ -152,6 +153,7 @@ contains
       integer :: k
       if (view%n == 0) return
       call open_host(view, plan%momentum, plan%principal, host)
+      host%stored = system%stored
       do k = 1, size(system%at)
          associate (b => system%at(k))
             call store_block(host, .false., .false., b)

@@ -34,11 +34,12 @@ contains
 
    !> p, the caller's momentum variable, and q, from the caller's body frame -> y and q of the
    !> principal frame. A velocity is I^-1 (y - s), s the momentum of the class's rotors.
-   pure subroutine to_native(momentum, turned, class, p, y, q, own)
+   pure subroutine to_native(momentum, turned, class, rotor, p, y, q, own)
       integer, intent(in) :: momentum            !! one of the five variables
       logical, intent(in) :: turned              !! the caller's body frame is class%axes, not the
                                                  !! principal one
       type(body_class), intent(in) :: class
+      real(dp), intent(in) :: rotor(3)           !! s, at this time
       real(dp), intent(in) :: p(lanes, 4)
       real(dp), intent(out) :: y(lanes, 3)
       real(dp), intent(inout) :: q(lanes, 4)
@@ -74,16 +75,17 @@ contains
             else
                y(:, j) = y(:, j)*class%moments(j)
             end if
-            if (class%has_rotor) y(:, j) = y(:, j) + class%rotor(j)
+            if (class%has_rotor) y(:, j) = y(:, j) + rotor(j)
          end do
       end if
    end subroutine to_native
 
    !> The way back: y and q of the principal frame -> p and q of the caller.
-   pure subroutine from_native(momentum, turned, class, y, q, p, own)
+   pure subroutine from_native(momentum, turned, class, rotor, y, q, p, own)
       integer, intent(in) :: momentum
       logical, intent(in) :: turned
       type(body_class), intent(in) :: class
+      real(dp), intent(in) :: rotor(3)           !! s, at this time
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: q(lanes, 4)
       real(dp), intent(out) :: p(lanes, 4)
@@ -94,7 +96,7 @@ contains
       v = y
       if (momentum == body_velocity .or. momentum == space_velocity) then
          do j = 1, 3
-            if (class%has_rotor) v(:, j) = v(:, j) - class%rotor(j)
+            if (class%has_rotor) v(:, j) = v(:, j) - rotor(j)
             if (present(own)) then
                v(:, j) = v(:, j)*own%inverse(:, j)
             else

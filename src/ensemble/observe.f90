@@ -10,6 +10,7 @@ module poinsot_ensemble_observe
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_check, only: check_ready, check_moments, to_kick, to_observe
    use poinsot_ensemble_coupled, only: coupled_energy
+   use poinsot_ensemble_block, only: clock
    use poinsot_ensemble_drive, only: block_job, for_each_block
    use poinsot_ensemble_layout, only: from_native, space_momentum
    use poinsot_ensemble_compose, only: attach_plan
@@ -65,6 +66,7 @@ contains
       job%plan => plan
       job%read_only = .true.
       job%t = t
+      job%loaded = clock(t, 0.0_dp)
       job%kinetic => kinetic
       job%potential => potential
       status = for_each_block(view, plan%threads, job)
@@ -147,7 +149,7 @@ contains
       real(dp) :: p(lanes, 4), q(lanes, 4)
       integer :: l
       q = b%q
-      call from_native(space_momentum, .false., b%class, b%y, q, p)
+      call from_native(space_momentum, .false., b%class, b%class%rotor, b%y, q, p)
       do l = 1, b%n
          if (b%status(l) == poinsot_ok) self%momentum(1:3, b%at(l)) = p(l, 1:3)
       end do

@@ -5,7 +5,7 @@ module poinsot_ensemble_step
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
    use poinsot_effect_effect, only: flow_effect
-   use poinsot_ensemble_block, only: add_momentum, reject_torques
+   use poinsot_ensemble_block, only: clock, add_momentum, reject_torques
    use poinsot_ensemble_bodies, only: body_view, column
    use poinsot_ensemble_check, only: check_ready, check_moments, to_drift, to_kick, to_step
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
@@ -17,7 +17,7 @@ module poinsot_ensemble_step
    use poinsot_ensemble_taylor, only: run_taylor
    use poinsot_free_accumulate, only: add_kick, add_kick_compensated
    use poinsot_splitting_block_flows, only: block_flows
-   use poinsot_splitting_stepper, only: run_steps, apply_preprocessor, apply_postprocessor
+   use poinsot_splitting_stepper, only: glance, run_steps, apply_preprocessor, apply_postprocessor
    use poinsot_splitting_tableaux, only: splitting
    use poinsot_taylor_settings, only: taylor_time
    implicit none(type, external)
@@ -126,6 +126,8 @@ contains
       job%h = h
       job%first = first
       job%steps = steps
+      job%loaded = clock(t + real(first, dp)*h, glance*h)
+      job%stored = clock(t + real(first + steps, dp)*h, glance*h) ! as the next call looks
       job%wants_id = plan%has_dissipation
       job%ns = step_ns(plan)*real(steps, dp)
       status = for_each_block(view, plan%threads, job)
@@ -170,7 +172,7 @@ contains
       class(drift_job), intent(inout) :: self
       type(block_flows), intent(inout) :: b
       call attach_plan(self%plan, b)
-      call b%drift(self%h)
+      call b%drift(0.0_dp, self%h)
    end subroutine run_drift
 
    subroutine run_kick(self, b)

@@ -5,7 +5,7 @@ module poinsot_ensemble_system
    use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_status, only: poinsot_e_domain
    use poinsot_effect_effect, only: pair_effect
-   use poinsot_ensemble_block, only: reject_values
+   use poinsot_ensemble_block, only: clock, reject_values
    use poinsot_ensemble_layout, only: turn_to_body, from_native, body_momentum
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_free_lane_moments, only: lane_moments
@@ -48,6 +48,7 @@ module poinsot_ensemble_system
       real(dp), allocatable :: torque(:, :)      !! (n, 3): what it answers
       real(dp) :: energy = 0                     !! what it answered last
       integer :: n = 0, team = 1
+      type(clock) :: loaded, stored              !! when the caller's velocities are
    contains
       procedure :: drift => drift_all
       procedure :: kick => kick_all
@@ -57,57 +58,59 @@ module poinsot_ensemble_system
 
 contains
 
-   subroutine drift_all(self, h)
+   subroutine drift_all(self, t, h)
       class(ensemble_flows), intent(inout) :: self
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: t, h
       integer :: k
       self%fresh = .false.
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
-      !$omp shared(self, h) private(k)
+      !$omp shared(self, t, h) private(k)
       do k = 1, size(self%at)
          if (.not. rounds_to_nearest()) self%at(k)%status = poinsot_e_domain
-         call self%at(k)%drift(h)
+         call self%at(k)%drift(t, h)
       end do
       !$omp end parallel do
    end subroutine drift_all
 
-   subroutine dissipate_all(self, h, step)
+   subroutine dissipate_all(self, t, h, step)
       class(ensemble_flows), intent(inout) :: self
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: t, h
       integer(i8), intent(in) :: step
       integer :: k
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
-      !$omp shared(self, h, step) private(k)
+      !$omp shared(self, t, h, step) private(k)
       do k = 1, size(self%at)
-         if (self%at(k)%has_dissipation) call self%at(k)%dissipate(h, step)
+         if (self%at(k)%has_dissipation) call self%at(k)%dissipate(t, h, step)
       end do
       !$omp end parallel do
    end subroutine dissipate_all
 
-   subroutine dissipate_half_all(self, h, step, half)
+   subroutine dissipate_half_all(self, t, h, step, half)
       class(ensemble_flows), intent(inout) :: self
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: t, h
       integer(i8), intent(in) :: step
       integer, intent(in) :: half
       integer :: k
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
-      !$omp shared(self, h, step, half) private(k)
+      !$omp shared(self, t, h, step, half) private(k)
       do k = 1, size(self%at)
-         if (self%at(k)%has_dissipation) call self%at(k)%dissipative_half_step(h, &
+         if (self%at(k)%has_dissipation) call self%at(k)%dissipative_half_step(t, h, &
             step, half)
       end do
       !$omp end parallel do
    end subroutine dissipate_half_all
 
    !> y += b g + c G for all bodies: own torques, pair torques, the host's.
-   subroutine kick_all(self, t, b, c)
+   subroutine kick_all(self, t, b, c, ahead)
       class(ensemble_flows), intent(inout) :: self
-      real(dp), intent(in) :: t, b, c
+      real(dp), intent(in) :: t, b, c, ahead
+      logical :: jumps
       integer :: k
-      if (.not. self%fresh) call evaluate_torques(self, t)
+      jumps = abs(ahead) > 0 .and. any(self%plan%composed%jumps)
+      if (.not. self%fresh .or. jumps) call evaluate_torques(self, t, ahead)
       if (self%halted) return
       self%fresh = .true.
-      if (abs(c) > 0) call evaluate_gradients(self, t)
+      if (abs(c) > 0) call evaluate_gradients(self, t, ahead)
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
       !$omp shared(self, b, c) private(k)
       do k = 1, size(self%at)
@@ -118,16 +121,16 @@ contains
    end subroutine kick_all
 
    !> Torques of all bodies at time t, into each block's g.
-   subroutine evaluate_torques(self, t)
+   subroutine evaluate_torques(self, t, ahead)
       type(ensemble_flows), intent(inout) :: self
-      real(dp), intent(in) :: t
+      real(dp), intent(in) :: t, ahead
       integer :: k, i
       call scatter_all(self)
       !$omp parallel do num_threads(self%team) schedule(static) default(none) &
-      !$omp shared(self, t) private(k, i)
+      !$omp shared(self, t, ahead) private(k, i)
       do k = 1, size(self%at)
          associate (s => self%at(k))
-            call s%start_torque(t)
+            call s%start_torque(t, ahead)
             do i = 1, size(self%plan%effects)
                select type (one => self%plan%effects(i)%it)
                class is (pair_effect)
@@ -194,7 +197,8 @@ contains
       do k = 1, size(self%at)
          associate (s => self%at(k))
             q = s%q
-            call from_native(body_momentum, self%plan%is_turned(s%class), s%class, s%y, q, p)
+            call from_native(body_momentum, self%plan%is_turned(s%class), s%class, &
+               s%class%rotor, s%y, q, p)
             do l = 1, s%n
                self%q(s%at(l), :) = q(l, :)
             end do
@@ -218,12 +222,12 @@ contains
    end subroutine ask_callback
 
    !> Force gradients of all bodies: two passes for pair effects, as for torques.
-   subroutine evaluate_gradients(self, t)
+   subroutine evaluate_gradients(self, t, ahead)
       type(ensemble_flows), intent(inout) :: self
-      real(dp), intent(in) :: t
+      real(dp), intent(in) :: t, ahead
       integer :: k, i
       do k = 1, size(self%at)
-         call self%at(k)%start_gradient(t)
+         call self%at(k)%start_gradient(t, ahead)
       end do
       do i = 1, size(self%plan%effects)
          select type (one => self%plan%effects(i)%it)

@@ -4,8 +4,9 @@ module poinsot_scene_bodies
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_source, only: place
    use poinsot_scene_text, only: text_of
+   use poinsot_core_time_table, only: time_table
    use poinsot_effect_gyrostat, only: gyrostat
-   use poinsot_scene_settings, only: scene_settings, body_group, random_none, random_uniform, &
+   use poinsot_scene_settings, only: scene_settings, body_group, rotor_of, random_none, random_uniform, &
       random_thermal
    use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
       integer_of, reject_key
@@ -271,7 +272,9 @@ contains
             do i = 1, size(scene%bodies)
                if (.not. one%acts_on(i)) cycle
                associate (bodies => scene%bodies(i))
-                  if (bodies%turned) then
+                  if (allocated(one%table)) then
+                     call add_wheel(one%table, bodies)
+                  else if (bodies%turned) then
                      bodies%rotor = bodies%rotor + matmul(transpose(bodies%axes), one%rotor)
                   else
                      bodies%rotor = bodies%rotor + one%rotor
@@ -282,8 +285,25 @@ contains
       end do
       do i = 1, size(scene%bodies)
          if (scene%bodies(i)%from_omega) scene%bodies(i)%y = scene%bodies(i)%y &
-            + scene%bodies(i)%rotor
+            + rotor_of(scene%bodies(i), 0.0_dp)
       end do
    end subroutine add_rotors
+
+   !> A wheel that changes, in principal axes.
+   subroutine add_wheel(table, bodies)
+      type(time_table), intent(in) :: table
+      type(body_group), intent(inout) :: bodies
+      type(time_table), allocatable :: more(:)
+      integer :: i, n
+      n = 0
+      if (allocated(bodies%wheels)) n = size(bodies%wheels)
+      allocate (more(n + 1))
+      do i = 1, n
+         more(i) = bodies%wheels(i)
+      end do
+      more(n + 1) = table
+      if (bodies%turned) more(n + 1)%values = matmul(transpose(bodies%axes), table%values)
+      call move_alloc(more, bodies%wheels)
+   end subroutine add_wheel
 
 end module poinsot_scene_bodies

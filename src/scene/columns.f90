@@ -4,7 +4,7 @@ module poinsot_scene_columns
    use poinsot_core_libm, only: arctangent
    use poinsot_rotation_conversions, only: euler_axes, euler_of_attitude
    use poinsot_rotation_quaternion, only: rotate
-   use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_settings, only: scene_settings, rotor_of
    use poinsot_scene_states, only: to_scene_frame
    use poinsot_scene_text, only: lower, next_word
    implicit none(type, external)
@@ -43,9 +43,10 @@ contains
    end subroutine find_columns
 
    !> Their values for one body.
-   subroutine column_values(scene, group, y, q, columns, values)
+   subroutine column_values(scene, group, t, y, q, columns, values)
       type(scene_settings), intent(in) :: scene
       integer, intent(in) :: group          !! number of the body's &bodies group
+      real(dp), intent(in) :: t             !! time
       real(dp), intent(in) :: y(3), q(4)    !! its state, principal frame
       integer, intent(in) :: columns(:)
       real(dp), intent(out) :: values(:)
@@ -53,7 +54,7 @@ contains
       y_scene = y
       q_scene = q
       call to_scene_frame(scene%bodies(group), y_scene, q_scene)
-      all(1:3) = angular_velocity(scene, group, y)
+      all(1:3) = angular_velocity(scene, group, t, y)
       if (any(columns >= 4 .and. columns <= 6)) then
          all(4:6) = euler_of_attitude(euler_axes(scene%bodies(group)%convention), q_scene)
       end if
@@ -64,14 +65,15 @@ contains
    end subroutine column_values
 
    !> I^-1 (y - rotor), 0 about an axis without inertia, in the scene's frame.
-   pure function angular_velocity(scene, group, y) result(omega)
+   pure function angular_velocity(scene, group, t, y) result(omega)
       type(scene_settings), intent(in) :: scene
       integer, intent(in) :: group
+      real(dp), intent(in) :: t    !! time
       real(dp), intent(in) :: y(3) !! principal frame
       real(dp) :: omega(3)
       omega = 0
       associate (b => scene%bodies(group))
-         where (b%moments > 0) omega = (y - b%rotor)/b%moments
+         where (b%moments > 0) omega = (y - rotor_of(b, t))/b%moments
          if (b%turned) omega = matmul(b%axes, omega)
       end associate
    end function angular_velocity

@@ -15,6 +15,9 @@ module poinsot_scene_effects
    private
    public :: build_effects, body_positions
 
+   !> Effects whose table in time may stand in a file.
+   character(8), parameter :: file_users(2) = [character(8) :: "torque", "gyrostat"]
+
 contains
 
    !> All effect groups of the file, in the order of the registry, those of one name in the order of
@@ -63,7 +66,7 @@ contains
                        text_of(size(scene%bodies)), error)
          return
       end if
-      if (item%name == "torque") call take_file(source%file, group, item, error)
+      if (any(item%name == file_users)) call take_file(source%file, group, item, error)
       if (item%name == "dipoles") call take_positions(scene, item)
       if (raised(error)) return
       call make_effect(item%name, item%settings, item%made, refused)
@@ -81,7 +84,7 @@ contains
       if (index(message, beginning) == 1) rest = message(len(beginning) + 1:)
    end function without
 
-   !> &torque file = '...': its numbers in place of times and table.
+   !> file = '...' of a group: its numbers in place of times and table.
    subroutine take_file(scene_file, group, item, error)
       character(*), intent(in) :: scene_file
       type(typed_group), intent(in) :: group
@@ -99,7 +102,7 @@ contains
       name = word_of(group, "file")
       if (len(name) == 0) then
          call reject_key(group, "file", &
-                       "is empty; name a file with lines of t and three torques", error)
+                       "is empty; name a file with lines of t and three numbers", error)
          return
       end if
       name = file_beside(scene_file, name)

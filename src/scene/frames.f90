@@ -164,8 +164,8 @@ contains
       call begin_observables(frames%observables, states%n, ranks)
       do from = 1, states%n, chunk
          to = min(states%n, from + chunk - 1)
-         call add_observables(frames%observables, scene, int(states%first, i8), int(from, i8), &
-            own_rows(states, kinetic, potential, [(int(states%first, i8) + i, i=from, to)]))
+         call add_observables(frames%observables, scene, t, int(states%first, i8), &
+            int(from, i8), own_rows(states, kinetic, potential, [(int(states%first, i8) + i, i=from, to)]))
       end do
       call end_observables(frames%observables, t, ranks, error)
    end subroutine observe_all
@@ -192,13 +192,14 @@ contains
             frames%shape(:, first:first + n - 1), y, q, rows(8, :n) + rows(9, :n), error)
       end if
       if (raised(error) .or. .not. is_open(frames%csv)) return
-      call show(scene, numbers, rows, y, q, more)
+      call show(scene, t, numbers, rows, y, q, more)
       call write_csv(frames%csv, t, numbers, y, q, rows(8, :n), rows(9, :n), more, error)
    end subroutine write_rows
 
    !> Momenta and attitudes in the scene's frame, and the scene's own columns.
-   subroutine show(scene, numbers, rows, y, q, more)
+   subroutine show(scene, t, numbers, rows, y, q, more)
       type(scene_settings), intent(in) :: scene
+      real(dp), intent(in) :: t
       integer(i8), intent(in) :: numbers(:)
       real(dp), intent(in) :: rows(:, :)
       real(dp), intent(out) :: y(:, :), q(:, :), more(:, :)
@@ -211,8 +212,8 @@ contains
          q(:, i) = rows(4:7, i)
          call find_group(scene, numbers(i), group, before)
          call to_scene_frame(scene%bodies(group), y(:, i), q(:, i))
-         if (size(more, 1) > 0) call column_values(scene, group, rows(1:3, i), rows(4:7, i), &
-            scene%output%columns, more(:, i))
+         if (size(more, 1) > 0) call column_values(scene, group, t, rows(1:3, i), &
+            rows(4:7, i), scene%output%columns, more(:, i))
       end do
    end subroutine show
 
@@ -237,7 +238,7 @@ contains
          rows = own_rows(states, kinetic, potential, numbers)
          if (allocated(y)) deallocate (y, q, values)
          allocate (y(3, n), q(4, n), values(state_columns + size(scene%output%columns), n))
-         call show(scene, numbers, rows, y, q, values(state_columns + 1:, :))
+         call show(scene, t, numbers, rows, y, q, values(state_columns + 1:, :))
          values(1, :) = t
          values(2, :) = real(numbers, dp)
          values(3:6, :) = q

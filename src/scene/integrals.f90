@@ -9,7 +9,7 @@ module poinsot_scene_integrals
    implicit none(type, external)
    private
    public :: integral_list, scene_integrals
-   public :: vector_in, number_in, text_in
+   public :: vector_in, number_in, text_in, any_of
 
    real(dp), parameter :: same = 1e-12_dp    !! relative: equal numbers of a scene
    real(dp), parameter :: z(3) = [0.0_dp, 0.0_dp, 1.0_dp]
@@ -71,8 +71,12 @@ contains
       real(dp) :: rate
       if (any_of(item, "times")) works = .true.
       select case (item%name)
-      case ("gravity", "spring", "dipoles", "gyrostat")
+      case ("dipoles", "gyrostat")
          return
+      case ("gravity", "spring")
+         if (.not. any_of(item, "rate")) return
+         axis = vector_in(item, "about")
+         rate = number_in(item, "rate")
       case ("potential")
          works = works .or. depends_on_time(item)
          return
@@ -118,9 +122,9 @@ contains
          associate (item => scene%effects(i))
             select case (item%name)
             case ("gravity")
-               symmetric_about = along(vector_in(item, "up"), direction)
+               symmetric_about = stands_along(item, "up", direction)
             case ("spring")
-               symmetric_about = along(vector_in(item, "direction"), direction)
+               symmetric_about = stands_along(item, "direction", direction)
             case ("field")
                if (text_in(item, "motion") /= "rotating") then
                   symmetric_about = along(vector_in(item, "strength"), direction)
@@ -140,6 +144,16 @@ contains
          if (.not. symmetric_about) return
       end do
    end function symmetric_about
+
+   !> Does a direction that may turn look the same after a turn about another (or turn about it
+   !> itself)?
+   logical function stands_along(item, key, direction)
+      type(effect_setting), intent(in) :: item
+      character(*), intent(in) :: key
+      real(dp), intent(in) :: direction(3)
+      stands_along = any_of(item, "rate") .or. (along(vector_in(item, key), direction) .and. &
+         .not. any_of(item, "phase"))
+   end function stands_along
 
    !> Does a formula know the time? Yes, if the effect is not made.
    logical function depends_on_time(item)
@@ -174,6 +188,7 @@ contains
       if (scene%effects(1)%name /= "gravity" .or. scene%bodies(1)%turned) return
       centre = vector_in(scene%effects(1), "centre")
       up = vector_in(scene%effects(1), "up")
+      if (any_of(scene%effects(1), "phase")) return
       if (.not. along(up, z) .or. maxval(abs(centre)) <= 0) return
       associate (moments => scene%bodies(1)%moments)
          do k = 1, 3
@@ -212,7 +227,7 @@ contains
       real(dp), allocatable :: values(:)
       call get_values(describe_effect(effect_number(item%name)), item%settings, key, values)
       vector = values(:3)
-      if (any(key == [character(8) :: "axis", "normal", "up"])) vector = vector/norm2(vector)
+      if (any(key == [character(8) :: "axis", "normal", "up", "about"])) vector = vector/norm2(vector)
    end function vector_in
 
    real(dp) function number_in(item, key)

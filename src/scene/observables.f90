@@ -66,9 +66,10 @@ contains
    end subroutine begin_observables
 
    !> Some bodies of this rank, in their order.
-   subroutine add_observables(this, scene, before_ours, from, rows)
+   subroutine add_observables(this, scene, t, before_ours, from, rows)
       type(observable_file), intent(inout) :: this
       type(scene_settings), intent(in) :: scene
+      real(dp), intent(in) :: t               !! time
       integer(i8), intent(in) :: before_ours  !! bodies of the ranks before this one
       integer(i8), intent(in) :: from         !! place of the first among those of this rank
       real(dp), intent(in) :: rows(:, :)      !! (y, q, kinetic, potential; bodies), principal frame
@@ -81,7 +82,7 @@ contains
          place = from + i - 1
          call find_group(scene, before_ours + place, group, before)
          associate (b => scene%bodies(group))
-            v = rows(1:3, i) - b%rotor
+            v = rows(1:3, i) - rotor_of(b, t)
             where (b%moments > 0)
                v = 0.5_dp*(v/b%moments)*v
             else where

@@ -45,7 +45,7 @@ contains
          case ("angle")
             call add([character(16) :: "angle", "drift"])
          case ("ensemble")
-            if (wanted_temperature(scene) > 0) then
+            if (wanted_temperature(scene) > 0 .and. .not. wheels_change(scene)) then
                call add([character(16) :: "temperature", "momenta"])
             else
                call add([character(16) :: "drift"])
@@ -98,6 +98,16 @@ contains
                   trim(all_names(i)) // ".svg", trim(all_names(i)) // ".png"]
       end do
    end subroutine picture_files
+
+   !> Has a body a rotor whose momentum is a table? Pictures of temperatures know constant ones.
+   pure logical function wheels_change(scene)
+      type(scene_settings), intent(in) :: scene !! the typed scene
+      integer :: i
+      wheels_change = .false.
+      do i = 1, size(scene%bodies)
+         wheels_change = wheels_change .or. allocated(scene%bodies(i)%wheels)
+      end do
+   end function wheels_change
 
    !> kT of the thermostat if there is one, else of the first momenta.
    pure real(dp) function wanted_temperature(scene) result(kt)

@@ -1,11 +1,12 @@
 !> A scene with types: what the reader makes of the file and what the run needs.
 module poinsot_scene_settings
+   use poinsot_core_time_table, only: time_table
    use poinsot_core_kinds, only: dp, i8
    use poinsot_effect_effect, only: effect
    use poinsot_effect_settings, only: setting
    implicit none(type, external)
    private
-   public :: scene_settings, body_group, effect_setting, output_settings, body_total, is_auto
+   public :: scene_settings, body_group, effect_setting, output_settings, body_total, rotor_of, is_auto
    public :: random_none, random_uniform, random_thermal
 
    integer, parameter :: random_none = 0, random_uniform = 1, random_thermal = 2
@@ -23,6 +24,7 @@ module poinsot_scene_settings
       character(3) :: convention = "zxz"      !! of Euler angles
       logical :: from_omega = .false.         !! y was given as an angular velocity
       real(dp) :: rotor(3) = 0                !! momentum of its gyrostats: omega = (y - rotor)/I
+      type(time_table), allocatable :: wheels(:) !! of those that change: rotor_of has all of them
       real(dp) :: q(4) = [1, 0, 0, 0]         !! attitude
       character(:), allocatable :: note       !! what was made of a value, if anything
       integer :: random = random_none
@@ -100,5 +102,18 @@ contains
       type(scene_settings), intent(in) :: scene !! the typed scene
       is_auto = scene%method == "auto" .or. scene%splitting == "auto" .and. size(scene%effects) > 0
    end function is_auto
+
+   !> The momentum of the gyrostats of a group at time t, principal axes.
+   pure function rotor_of(bodies, t) result(rotor)
+      type(body_group), intent(in) :: bodies
+      real(dp), intent(in) :: t
+      real(dp) :: rotor(3)
+      integer :: i
+      rotor = bodies%rotor
+      if (.not. allocated(bodies%wheels)) return
+      do i = 1, size(bodies%wheels)
+         rotor = rotor + bodies%wheels(i)%at(t)
+      end do
+   end function rotor_of
 
 end module poinsot_scene_settings

@@ -8,7 +8,7 @@ module poinsot_scene_states
    use poinsot_rotation_quaternion, only: quaternion_product, quaternion_conjugate, rotate_back
    use poinsot_rotation_random, only: random_quaternion, random_gaussian, stream_momentum
    use poinsot_scene_text, only: text_of
-   use poinsot_scene_settings, only: scene_settings, body_group, body_total, &
+   use poinsot_scene_settings, only: scene_settings, body_group, body_total, rotor_of, &
       random_none, random_thermal
    implicit none(type, external)
    private
@@ -88,7 +88,7 @@ contains
          normal(3:4) = random_gaussian(seed, id, 0_i8, stream_momentum + 1_i4)
          ! roots first: I and kT may each be near the ends of the range
          states%y(:, j) = sqrt(bodies%moments)*sqrt(bodies%temperature)*normal(1:3) &
-                           + bodies%rotor
+                           + rotor_of(bodies, 0.0_dp)
       end do
    end subroutine fill
 

@@ -2,7 +2,7 @@
 !> satellite, body in a field; and the vectors of its bodies, along their principal axes.
 module poinsot_scene_view_setting
    use poinsot_core_kinds, only: dp
-   use poinsot_scene_integrals, only: vector_in, number_in, text_in
+   use poinsot_scene_integrals, only: vector_in, number_in, text_in, any_of
    use poinsot_scene_json, only: numbers_json, number_json
    use poinsot_scene_settings, only: scene_settings
    implicit none(type, external)
@@ -25,7 +25,12 @@ contains
             select case (item%name)
             case ("gyrostat")
                if (kind == "free") kind = "gyrostat"
+               if (any_of(item, "times") .and. kind == "gyrostat") kind = "other"
             case ("gravity")
+               if (any_of(item, "rate")) then
+                  if (kind /= "top") kind = "other"
+                  cycle
+               end if
                kind = "top"
                if (index(text, """up""") == 0) text = text // """up"": " // &
                   numbers_json(vector_in(item, "up"), 9) // ", "
@@ -71,7 +76,7 @@ contains
             heavy = heavy .or. item%name == "gravity"
             if (.not. any(nint(number_in(item, "class")) == [0, group])) cycle
             if (item%name == "gravity") centre = centre + vector_in(item, "centre")
-            if (item%name == "gyrostat") rotor = rotor + vector_in(item, "rotor")
+            if (item%name == "gyrostat" .and. .not. any_of(item, "times")) rotor = rotor + vector_in(item, "rotor")
             if (item%name == "field") dipole = dipole + vector_in(item, "dipole")
          end associate
       end do

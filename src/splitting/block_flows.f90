@@ -7,7 +7,8 @@ module poinsot_splitting_block_flows
    use poinsot_core_kinds, only: dp, i8, groups, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step
    use poinsot_core_lanes, only: any_failed
-   use poinsot_body_class, only: body_class
+   use poinsot_body_class, only: body_class, rotor_at
+   use poinsot_core_length, only: length_of
    use poinsot_free_accumulate, only: add_plain, add_compensated, add_kick, add_kick_compensated
    use poinsot_free_lane_moments, only: lane_moments, advance_own
    use poinsot_free_limits, only: reject_speed, reject_speed_each, reject_torque
@@ -15,7 +16,7 @@ module poinsot_splitting_block_flows
    use poinsot_effect_effect, only: effect_item, torque_effect, flow_effect
    use poinsot_effect_gyrostat, only: turn_increment, turn_is_too_long, add_kinetic
    use poinsot_splitting_class_flows, only: class_flows
-   use poinsot_splitting_stepper, only: flows
+   use poinsot_splitting_stepper, only: flows, glance
    implicit none(type, external)
    private
    public :: block_flows
@@ -88,25 +89,29 @@ contains
       self%has_dissipation = size(acting%dissipative) > 0
    end subroutine attach
 
-   !> Free rotation over h; with a rotor composed with its turn.
-   subroutine drift(self, h)
+   !> Free rotation over h; with a rotor composed with its turn, of which each looks at the rotor at
+   !> the time that the free rotations before it have reached.
+   subroutine drift(self, t, h)
       class(block_flows), intent(inout) :: self
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: t, h
+      real(dp) :: passed
       integer :: i, n
       self%fresh = .false.
       if (.not. self%class%has_rotor) then
          call rotate(self, h)
          return
       end if
+      passed = 0
       associate (weights => self%acting%weights)
          n = size(weights)
-         call turn(self, 0.5_dp*weights(1)*h)
+         call turn(self, t, glance*h, 0.5_dp*weights(1)*h)
          do i = 1, n - 1
             call rotate(self, weights(i)*h)
-            call turn(self, 0.5_dp*(weights(i) + weights(i + 1))*h)
+            passed = passed + weights(i)
+            call turn(self, t + passed*h, 0.0_dp, 0.5_dp*(weights(i) + weights(i + 1))*h)
          end do
          call rotate(self, weights(n)*h)
-         call turn(self, 0.5_dp*weights(n)*h)
+         call turn(self, t + h, -glance*h, 0.5_dp*weights(n)*h)
       end associate
    end subroutine drift
 
@@ -137,20 +142,27 @@ contains
    end subroutine rotate_own
 
    !> The turn of the rotor. One whose angle has no right digit: POINSOT_E_STEP.
-   subroutine turn(self, h)
+   subroutine turn(self, t, ahead, h)
       class(block_flows), intent(inout) :: self
+      real(dp), intent(in) :: t, ahead        !! time, of rotors that change
       real(dp), intent(in) :: h
-      real(dp) :: dy(lanes, 3), dq(lanes, 4), hl(lanes)
+      real(dp) :: dy(lanes, 3), dq(lanes, 4), hl(lanes), rotor(3), rate
+      rotor = self%class%rotor
+      rate = self%class%rotor_rate
+      if (allocated(self%class%wheels)) then
+         rotor = rotor_at(self%class, t, ahead)
+         rate = length_of(self%class%inverse*rotor)
+      end if
       if (associated(self%own)) then
-         where (self%status == poinsot_ok .and. turn_is_too_long(self%class%rotor_rate, h, &
-            self%own%scale)) &
+         where (self%status == poinsot_ok .and. turn_is_too_long(rate, h, self%own%scale)) &
             self%status = poinsot_e_step
-         call turn_increment(self%class, h, self%y, self%q, dy, dq, self%own%scale)
-      else if (turn_is_too_long(self%class%rotor_rate, h)) then
+         call turn_increment(rotor, rate, self%class%inverse, h, self%y, self%q, dy, dq, &
+            self%own%scale)
+      else if (turn_is_too_long(rate, h)) then
          where (self%status == poinsot_ok) self%status = poinsot_e_step
          return
       else
-         call turn_increment(self%class, h, self%y, self%q, dy, dq)
+         call turn_increment(rotor, rate, self%class%inverse, h, self%y, self%q, dy, dq)
       end if
       hl = merge(h, 0.0_dp, self%status == poinsot_ok)
       call mask_failed_lanes(self%status, dy)
@@ -174,34 +186,34 @@ contains
    end subroutine mask_failed_lanes
 
    !> y += b g + c G, G = 2 (Dg[M g] + (M g) x g).
-   subroutine kick(self, t, b, c)
+   subroutine kick(self, t, b, c, ahead)
       class(block_flows), intent(inout) :: self
-      real(dp), intent(in) :: t, b, c
-      if (.not. self%fresh) then
-         call self%start_torque(t)
+      real(dp), intent(in) :: t, b, c, ahead
+      if (.not. self%fresh .or. (self%acting%jumps .and. abs(ahead) > 0)) then
+         call self%start_torque(t, ahead)
          call self%finish_torque()
          self%fresh = .true.
       end if
       if (abs(c) > 0) then
-         call self%start_gradient(t)
+         call self%start_gradient(t, ahead)
          call self%finish_gradient()
       end if
       call self%apply_kick(b, c)
    end subroutine kick
 
    !> g = the torques of the block's own effects at time t.
-   subroutine start_torque(self, t)
+   subroutine start_torque(self, t, ahead)
       class(block_flows), intent(inout) :: self
-      real(dp), intent(in) :: t
+      real(dp), intent(in) :: t, ahead
       integer :: i
       self%g = 0
       do i = 1, size(self%acting%torques)
          select type (one => self%effects(self%acting%torques(i))%it)
          class is (torque_effect)
             if (grows(self, one)) then
-               call add_grown_torque(self, one, t)
+               call add_grown_torque(self, one, one%seen(t, ahead))
             else
-               call one%add_torque(self%class, t, self%q, self%g)
+               call one%add_torque(self%class, one%seen(t, ahead), self%q, self%g)
             end if
          end select
       end do
@@ -235,9 +247,9 @@ contains
    end subroutine finish_torque
 
    !> gradient = Dg[M g] of the block's own effects; delta = M g.
-   subroutine start_gradient(self, t)
+   subroutine start_gradient(self, t, ahead)
       class(block_flows), intent(inout) :: self
-      real(dp), intent(in) :: t
+      real(dp), intent(in) :: t, ahead
       real(dp) :: dg(lanes, 3)
       integer :: i, j
       if (associated(self%own)) then
@@ -255,12 +267,13 @@ contains
          class is (torque_effect)
             if (grows(self, one)) then
                dg = 0
-               call one%add_derivative(self%class, t, self%q, self%delta, dg)
+               call one%add_derivative(self%class, one%seen(t, ahead), self%q, self%delta, dg)
                do j = 1, 3
                   self%gradient(:, j) = self%gradient(:, j) + self%own%scale*dg(:, j)
                end do
             else
-               call one%add_derivative(self%class, t, self%q, self%delta, self%gradient)
+               call one%add_derivative(self%class, one%seen(t, ahead), self%q, self%delta, &
+                  self%gradient)
             end if
          end select
       end do
@@ -333,28 +346,30 @@ contains
 
    !> All of drag and noise of step number `step`, in one place: one exact flow over h, or several
    !> as a symmetric composition.
-   subroutine dissipate(self, h, step)
+   subroutine dissipate(self, t, h, step)
       class(block_flows), intent(inout) :: self
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: t, h
       integer(i8), intent(in) :: step
       if (size(self%acting%dissipative) == 1) then
-         call self%dissipative_half_step(h, step, 0)
+         call self%dissipative_half_step(t, h, step, 0)
       else
-         call self%dissipative_half_step(0.5_dp*h, step, 0)
-         call self%dissipative_half_step(0.5_dp*h, step, 1)
+         call self%dissipative_half_step(t, 0.5_dp*h, step, 0)
+         call self%dissipative_half_step(t, 0.5_dp*h, step, 1)
       end if
    end subroutine dissipate
 
    !> Flows outside the scheme, in reverse order after the step. They act on I omega = y - s, what
    !> damps and heats a body with a rotor. Each has random numbers of its own.
-   subroutine dissipative_half_step(self, h, step, half)
+   subroutine dissipative_half_step(self, t, h, step, half)
       class(block_flows), intent(inout) :: self
-      real(dp), intent(in) :: h
+      real(dp), intent(in) :: t, h
       integer(i8), intent(in) :: step
       integer, intent(in) :: half
+      real(dp) :: rotor(3)
       integer :: i, place, n
       n = size(self%acting%dissipative)
-      if (self%class%has_rotor) call add_rotor(-self%class%rotor, self%y)
+      rotor = rotor_at(self%class, t, merge(glance, -glance, half == 0)*h)
+      if (self%class%has_rotor) call add_rotor(-rotor, self%y)
       do i = 1, n
          place = merge(i, n + 1 - i, half == 0)
          select type (one => self%effects(self%acting%dissipative(place))%it)
@@ -368,7 +383,7 @@ contains
             end if
          end select
       end do
-      if (self%class%has_rotor) call add_rotor(self%class%rotor, self%y)
+      if (self%class%has_rotor) call add_rotor(rotor, self%y)
       call self%reject_fast()
    end subroutine dissipative_half_step
 
@@ -393,7 +408,7 @@ contains
       inverse = spread(self%class%inverse, 1, lanes)
       if (associated(self%own)) inverse = self%own%inverse
       if (self%class%has_rotor) then
-         call add_kinetic(self%class%rotor, inverse, self%y, kinetic)
+         call add_kinetic(rotor_at(self%class, t, 0.0_dp), inverse, self%y, kinetic)
       else
          do j = 1, 3
             kinetic = kinetic + 0.5_dp*(self%y(:, j)*inverse(:, j))*self%y(:, j)

@@ -3,6 +3,7 @@ module poinsot_splitting_class_flows
    use poinsot_core_length, only: length_of
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method
+   use poinsot_core_time_table, only: time_table
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect_item, torque_effect, flow_effect
@@ -18,6 +19,7 @@ module poinsot_splitting_class_flows
       integer, allocatable :: dissipative(:)  !! flows outside the scheme
       real(dp), allocatable :: weights(:)     !! composition of free rotation and a rotor's turn
       logical :: only_forward = .false.       !! a flow is not defined for h < 0
+      logical :: jumps = .false.              !! a torque jumps in time
    end type class_flows
 
 contains
@@ -41,6 +43,7 @@ contains
       class%rotor = 0
       class%rotor_rate = 0
       class%has_rotor = .false.
+      if (allocated(class%wheels)) deallocate (class%wheels)
       do k = 1, size(acting)
          i = acting(k)
          select type (one => effects(i)%it)
@@ -52,6 +55,7 @@ contains
                return
             end if
             composed%torques = [composed%torques, i]
+            composed%jumps = composed%jumps .or. one%jumps()
          class is (flow_effect)
             composed%dissipative = [composed%dissipative, i]
             composed%only_forward = composed%only_forward .or. one%only_forward()
@@ -69,20 +73,45 @@ contains
       type(body_class), intent(inout) :: class
       type(class_flows), intent(inout) :: composed
       type(poinsot_error), intent(inout) :: error
-      if (class%sorted(1) <= 0 .and. any(abs(one%rotor) > 0)) then
+      real(dp) :: most(3), sum_of(3)
+      integer :: i
+      most = abs(one%rotor)
+      if (allocated(one%table)) most = maxval(abs(one%table%values), dim=2)
+      sum_of = abs(class%rotor)
+      if (.not. allocated(class%wheels)) allocate (class%wheels(0))
+      do i = 1, size(class%wheels)
+         sum_of = sum_of + maxval(abs(class%wheels(i)%values), dim=2)
+      end do
+      if (class%sorted(1) <= 0 .and. any(most > 0)) then
          call raise(error, poinsot_e_domain, "effect 'gyrostat': a linear body, which has a " // &
             "moment of zero, holds no rotor; name another class by key 'class'")
          return
       end if
-      if (any(abs(one%rotor) > class%limit - abs(class%rotor))) then
-         call raise(error, poinsot_e_domain, "effect 'gyrostat': key 'rotor' over the moment of " &
-            // "inertia is beyond 1e70, the largest angular velocity")
+      if (any(most > class%limit - sum_of)) then
+         call raise(error, poinsot_e_domain, "effect 'gyrostat': the rotor's momentum over the " &
+            // "moment of inertia is beyond 1e70, the largest angular velocity")
          return
       end if
       class%rotor = class%rotor + one%rotor
+      if (allocated(one%table)) call add_wheel(one%table, class%wheels)
+      if (size(class%wheels) == 0) deallocate (class%wheels)
       class%rotor_rate = length_of(class%inverse*class%rotor)
       class%has_rotor = .true.
       if (.not. allocated(composed%weights)) call turn_composition(order, composed%weights)
    end subroutine add_rotor
+
+   !> One more wheel. (No array constructor: of structures that own arrays gfortran 12 loses some.)
+   subroutine add_wheel(wheel, wheels)
+      type(time_table), intent(in) :: wheel
+      type(time_table), allocatable, intent(inout) :: wheels(:)
+      type(time_table), allocatable :: more(:)
+      integer :: i
+      allocate (more(size(wheels) + 1))
+      do i = 1, size(wheels)
+         more(i) = wheels(i)
+      end do
+      more(size(more)) = wheel
+      call move_alloc(more, wheels)
+   end subroutine add_wheel
 
 end module poinsot_splitting_class_flows

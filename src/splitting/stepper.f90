@@ -4,7 +4,11 @@ module poinsot_splitting_stepper
    use poinsot_splitting_tableaux, only: splitting, operation
    implicit none(type, external)
    private
-   public :: flows, run_steps, apply_preprocessor, apply_postprocessor
+   public :: flows, glance, run_steps, apply_preprocessor, apply_postprocessor
+
+   !> So small a part of a step that a jump within it is at the step's end: where times are added up
+   !> they are off by some roundings.
+   real(dp), parameter :: glance = 1e-9_dp
 
    !> What a splitting composes. The torque g is a function of attitude and time only: `kick`
    !> evaluates it when `fresh` is false, sets `fresh`, and leaves it; `drift` clears `fresh`. So
@@ -24,22 +28,25 @@ module poinsot_splitting_stepper
    end type flows
 
    abstract interface
-      !> Free rotation over h (any sign).
-      subroutine drift(self, h)
+      !> Free rotation over h (any sign) from time t on, which a rotor that changes looks at.
+      subroutine drift(self, t, h)
          import :: flows, dp
          implicit none(type, external)
          class(flows), intent(inout) :: self
+         real(dp), intent(in) :: t
          real(dp), intent(in) :: h
       end subroutine drift
 
       !> y += b g + c G with g and G at time t.
-      subroutine kick(self, t, b, c)
+      subroutine kick(self, t, b, c, ahead)
          import :: flows, dp
          implicit none(type, external)
          class(flows), intent(inout) :: self
          real(dp), intent(in) :: t
          real(dp), intent(in) :: b   !! coefficient times h
          real(dp), intent(in) :: c   !! coefficient times h^3; 0: no gradient is needed
+         real(dp), intent(in) :: ahead !! at an end of the step, or beyond it, a way that leads just
+                                       !! into it: there a torque that jumps is meant; else 0
       end subroutine kick
    end interface
 
@@ -62,12 +69,13 @@ contains
          else if (scheme%middle > 0) then
             call run_operations(scheme%operations(:scheme%middle), system, t, h, k)
             if (system%halted) return
-            call system%dissipate(h, k)
+            call system%dissipate(t + (real(k, dp) + 0.5_dp)*h, h, k)
             call run_operations(scheme%operations(scheme%middle + 1:), system, t, h, k)
          else
-            call system%dissipative_half_step(0.5_dp*h, k, 0)
+            call system%dissipative_half_step(t + real(k, dp)*h, 0.5_dp*h, k, 0)
             call run_operations(scheme%operations, system, t, h, k)
-            if (.not. system%halted) call system%dissipative_half_step(0.5_dp*h, k, 1)
+            if (.not. system%halted) call system%dissipative_half_step(t + &
+               real(k + 1, dp)*h, 0.5_dp*h, k, 1)
          end if
          if (system%halted) return
       end do
@@ -102,33 +110,41 @@ contains
       class(flows), intent(inout) :: system
       real(dp), intent(in) :: t, h
       integer(i8), intent(in) :: k
+      real(dp) :: ahead
       integer :: i
       do i = 1, size(operations)
          if (operations(i)%is_kick) then
+            ahead = 0
+            if (operations(i)%node <= 0) ahead = (glance - operations(i)%node)*h
+            if (operations(i)%node >= 1) ahead = (1 - operations(i)%node - glance)*h
             call system%kick(t + (real(k, dp) + operations(i)%node)*h, operations(i)%b*h, &
-                             operations(i)%c*h*h*h)
+                             operations(i)%c*h*h*h, ahead)
          else
-            call system%drift(operations(i)%b*h)
+            call system%drift(t + (real(k, dp) + operations(i)%node)*h, operations(i)%b*h)
          end if
          if (system%halted) return
       end do
    end subroutine run_operations
 
    !> No flow outside the scheme.
-   subroutine no_dissipation(self, h, step, half)
+   subroutine no_dissipation(self, t, h, step, half)
       class(flows), intent(inout) :: self
+      real(dp), intent(in) :: t           !! time
       real(dp), intent(in) :: h           !! half the step
       integer(i8), intent(in) :: step
       integer, intent(in) :: half         !! 0 before the step, 1 after it
-      associate (unused_1 => self%fresh, unused_2 => h, unused_3 => step, unused_4 => half)
+      associate (unused_1 => self%fresh, unused_2 => h, unused_3 => step, &
+         unused_4 => half, unused_5 => t)
       end associate
    end subroutine no_dissipation
 
-   subroutine no_dissipation_inside(self, h, step)
+   subroutine no_dissipation_inside(self, t, h, step)
       class(flows), intent(inout) :: self
+      real(dp), intent(in) :: t           !! time
       real(dp), intent(in) :: h           !! the whole step
       integer(i8), intent(in) :: step
-      associate (unused_1 => self%fresh, unused_2 => h, unused_3 => step)
+      associate (unused_1 => self%fresh, unused_2 => h, unused_3 => step, &
+         unused_4 => t)
       end associate
    end subroutine no_dissipation_inside
 

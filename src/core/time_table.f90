@@ -1,0 +1,75 @@
+!> Three numbers as a table in time: linear between its times, constant beyond both ends; a time
+!> that stands twice is a jump.
+module poinsot_core_time_table
+   use poinsot_core_kinds, only: dp
+   implicit none(type, external)
+   private
+   public :: time_table
+
+   !> The table. At a jump it has the value behind it.
+   type :: time_table
+      real(dp), allocatable :: times(:)       !! (n), ascending, none more than twice
+      real(dp), allocatable :: values(:, :)   !! (3, n)
+      logical :: jumps = .false.              !! a time stands twice
+   contains
+      procedure :: at
+      procedure :: seen
+   end type time_table
+
+contains
+
+   !> The numbers at time t.
+   pure function at(self, t) result(value)
+      class(time_table), intent(in) :: self
+      real(dp), intent(in) :: t
+      real(dp) :: value(3), part
+      integer :: low, n
+      n = size(self%times)
+      if (t < self%times(1)) then
+         value = self%values(:, 1)
+      else if (t >= self%times(n)) then
+         value = self%values(:, n)
+      else
+         low = last_until(self%times, t)
+         part = (t - self%times(low))/(self%times(low + 1) - self%times(low))
+         value = self%values(:, low) + part*(self%values(:, low + 1) - self%values(:, low))
+      end if
+   end function at
+
+   !> The time at which one sees the table who stands at t and looks ahead: t itself, but of a jump
+   !> that is no further than |ahead|, the side where t + ahead lies. Who steps from jump to jump
+   !> is at its times to rounding only.
+   pure real(dp) function seen(self, t, ahead)
+      class(time_table), intent(in) :: self
+      real(dp), intent(in) :: t
+      real(dp), intent(in) :: ahead           !! forwards positive, backwards negative; 0: t is meant
+      integer :: k
+      seen = t
+      if (.not. self%jumps .or. .not. abs(ahead) > 0) return
+      k = last_until(self%times, max(t, t + ahead)) ! of the times up to there only the last is near
+      if (k < 2) return
+      if (self%times(k) > self%times(k - 1) .or. self%times(k) < min(t, t + ahead)) return
+      seen = self%times(k)
+      if (ahead < 0) seen = nearest(seen, -1.0_dp)
+      if (ahead > 0) seen = max(t, seen)
+      if (ahead < 0) seen = min(t, seen)
+   end function seen
+
+   !> The last of ascending times that is not beyond t; 0 if all are.
+   pure integer function last_until(times, t) result(low)
+      real(dp), intent(in) :: times(:)
+      real(dp), intent(in) :: t
+      integer :: high, middle
+      low = 0
+      high = size(times) + 1
+      do while (high - low > 1)
+         middle = (low + high)/2
+         if (t < times(middle)) then
+            high = middle
+         else
+            low = middle
+         end if
+      end do
+   end function last_until
+
+end module poinsot_core_time_table
