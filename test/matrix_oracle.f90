@@ -34,7 +34,7 @@ module test_matrix_oracle
    type :: system
       type(problem) :: of
       real(wp) :: moment(3, 3, classes), inverse(3, 3, classes)
-      real(wp) :: middle = 0            !! of the step at work: of a jump at its ends it sees its side
+      real(wp) :: middle = 0            !! of the step at work: its side of a jump is meant
       logical :: continuous = .false.   !! friction is a torque; else a flow around each step
    end type system
 

@@ -42,7 +42,7 @@ contains
    pure real(dp) function seen(self, t, ahead)
       class(time_table), intent(in) :: self
       real(dp), intent(in) :: t
-      real(dp), intent(in) :: ahead           !! forwards positive, backwards negative; 0: t is meant
+      real(dp), intent(in) :: ahead           !! forwards positive, backwards negative; 0: at t
       integer :: k
       seen = t
       if (.not. self%jumps .or. .not. abs(ahead) > 0) return

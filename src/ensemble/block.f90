@@ -106,8 +106,8 @@ contains
          p = 0
          call take(host%y, host%view%y_at, at, n, p)
          call reject(b%nvec, 4, [huge(p), huge(p), huge(p), huge(p)], p, b%q, b%status)
-         call to_native(host%momentum, is_turned(host, class), class, rotor_then(class, host%loaded), &
-            p, b%y, b%q)
+         call to_native(host%momentum, is_turned(host, class), class, &
+            rotor_then(class, host%loaded), p, b%y, b%q)
          call reject_speed(class, b%y, b%status)
       end if
       if (class%sorted(1) <= 0 .and. .not. host%has_own) then

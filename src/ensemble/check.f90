@@ -64,8 +64,8 @@ contains
       end if
    end subroutine check_own
 
-   !> With moments for each body: does the plan do without those of a class? With rotors that change:
-   !> does the call know the time? POINSOT_E_METHOD if not.
+   !> With moments for each body: does the plan do without those of a class? With rotors that
+   !> change: does the call know the time? POINSOT_E_METHOD if not.
    subroutine check_moments(plan, view, purpose, error)
       type(poinsot_plan), intent(in) :: plan    !! ready
       type(body_view), intent(in) :: view

@@ -6,8 +6,8 @@ module poinsot_scene_bodies
    use poinsot_scene_text, only: text_of
    use poinsot_core_time_table, only: time_table
    use poinsot_effect_gyrostat, only: gyrostat
-   use poinsot_scene_settings, only: scene_settings, body_group, rotor_of, random_none, random_uniform, &
-      random_thermal
+   use poinsot_scene_settings, only: scene_settings, body_group, rotor_of, random_none, &
+      random_uniform, random_thermal
    use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
       integer_of, reject_key
    use poinsot_rotation_quaternion, only: quaternion_product, rotate_back, unit_tolerance

@@ -165,7 +165,8 @@ contains
       do from = 1, states%n, chunk
          to = min(states%n, from + chunk - 1)
          call add_observables(frames%observables, scene, t, int(states%first, i8), &
-            int(from, i8), own_rows(states, kinetic, potential, [(int(states%first, i8) + i, i=from, to)]))
+            int(from, i8), own_rows(states, kinetic, potential, &
+            [(int(states%first, i8) + i, i=from, to)]))
       end do
       call end_observables(frames%observables, t, ranks, error)
    end subroutine observe_all

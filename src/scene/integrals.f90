@@ -219,15 +219,18 @@ contains
       along = abs(abs(dot_product(v, w)) - norm2(v)*norm2(w)) <= same*norm2(v)*norm2(w)
    end function along
 
-   !> A key's three numbers, its default if the scene does not say; a direction has length 1.
+   !> A key's three numbers, its default if the scene does not say, zeros without one; a direction
+   !> has length 1.
    function vector_in(item, key) result(vector)
       type(effect_setting), intent(in) :: item
       character(*), intent(in) :: key
       real(dp) :: vector(3)
       real(dp), allocatable :: values(:)
       call get_values(describe_effect(effect_number(item%name)), item%settings, key, values)
-      vector = values(:3)
-      if (any(key == [character(8) :: "axis", "normal", "up", "about"])) vector = vector/norm2(vector)
+      vector = 0
+      if (size(values) >= 3) vector = values(:3)
+      if (any(key == [character(8) :: "axis", "normal", "up", "about"])) vector = &
+         vector/norm2(vector)
    end function vector_in
 
    real(dp) function number_in(item, key)

@@ -9,7 +9,7 @@ module poinsot_scene_observables
    use poinsot_scene_communicator, only: communicator
    use poinsot_scene_files, only: out_file, open_out, put, flush_out, finish_out
    use poinsot_scene_integrals, only: integral_list, scene_integrals
-   use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_settings, only: scene_settings, rotor_of
    use poinsot_scene_states, only: find_group, to_scene_frame
    use poinsot_scene_text, only: text_of
    implicit none(type, external)

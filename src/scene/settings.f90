@@ -6,7 +6,8 @@ module poinsot_scene_settings
    use poinsot_effect_settings, only: setting
    implicit none(type, external)
    private
-   public :: scene_settings, body_group, effect_setting, output_settings, body_total, rotor_of, is_auto
+   public :: scene_settings, body_group, effect_setting, output_settings, body_total, &
+      rotor_of, is_auto
    public :: random_none, random_uniform, random_thermal
 
    integer, parameter :: random_none = 0, random_uniform = 1, random_thermal = 2

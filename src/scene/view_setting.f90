@@ -76,7 +76,7 @@ contains
             heavy = heavy .or. item%name == "gravity"
             if (.not. any(nint(number_in(item, "class")) == [0, group])) cycle
             if (item%name == "gravity") centre = centre + vector_in(item, "centre")
-            if (item%name == "gyrostat" .and. .not. any_of(item, "times")) rotor = rotor + vector_in(item, "rotor")
+            if (item%name == "gyrostat") rotor = rotor + vector_in(item, "rotor")
             if (item%name == "field") dipole = dipole + vector_in(item, "dipole")
          end associate
       end do
