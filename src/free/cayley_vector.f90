@@ -1,6 +1,6 @@
 !> The Cayley vector e of a step of the Moser-Veselov map or of the midpoint rule: the root below 90
-!> degrees of e_i = (1 + c |e|^2) z_i - kappa_i e_j e_k, (i, j, k) cyclic. McLachlan and Zanna, Found.
-!> Comput. Math. 5, 87 (2005); Lewis and Simo, Fields Inst. Commun. 10, 121 (1996).
+!> degrees of e_i = (1 + c |e|^2) z_i - kappa_i e_j e_k, (i, j, k) cyclic. McLachlan and Zanna,
+!> Found. Comput. Math. 5, 87 (2005); Lewis and Simo, Fields Inst. Commun. 10, 121 (1996).
 module poinsot_free_cayley_vector
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_lanes, only: largest, smallest
