@@ -284,7 +284,7 @@ contains
       request%splittings = splittings
       request%members = 8
       request%timed = .false.
-      request%budget = 20
+      request%budget = 200 ! no limit: threads that wait on a busy machine take it too
       request%most_steps = 3072
       call study_cost(scene, request, watch, study, failure)
       if (raised(failure)) call test_failed(error, failure%message)

@@ -2,9 +2,9 @@
 # The routes to the library, each from a consumer outside the tree: builds, installs, links, runs. A route whose tools are missing is
 # skipped and named. Ends with "N passed, M failed, K skipped"; exit code 1 on a failure, else 77 if one was skipped.
 #
-# usage: tools/routes.sh [ROUTE...]      all of: cmake fetch-c fetch-fortran fpm meson read-only gfortran-11 levels mpich openmpi
-#                                        cmake-mpi aarch64 wheel view
-# environment: FC, CC
+# usage: tools/routes.sh [ROUTE...]      all of: cmake fetch-c fetch-fortran subdirectory fpm meson read-only gfortran-11 flang levels
+#                                        mpich openmpi cmake-mpi aarch64 wheel view
+# environment: FC, CC, FLANG
 set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
@@ -21,14 +21,16 @@ generator() { if have ninja; then echo -G Ninja; fi; }
 configured() {
    folder=$1 source=$2
    shift 2
-   # shellcheck disable=SC2046
-   cmake $(generator) -S "$source" -B "$folder" "$@" && cmake --build "$folder" --parallel 2
+   # shellcheck disable=SC2046,SC2086
+   $offline cmake $(generator) -S "$source" -B "$folder" "$@" && $offline cmake --build "$folder" --parallel 2
 }
+offline= # how to run a command without a network
 library_only="-DPOINSOT_TESTS=OFF -DPOINSOT_EXAMPLES=OFF"
 
-# The library by CMake alone, installed, moved, and found from C (without a Fortran compiler) and from Fortran.
+# The library by CMake alone, without a network where that can be had, installed, moved, and found from C (without a Fortran compiler) and from Fortran.
 route_cmake() {
    have cmake || { skip "no cmake"; return; }
+   ! unshare -rn true 2>/dev/null || offline="unshare -rn"
    rm -rf "$out/cmake-installed" "$out/cmake-moved" "$out"/find-*
    # shellcheck disable=SC2086
    configured "$out/cmake" . $library_only -DPOINSOT_APP=OFF && cmake --install "$out/cmake" --prefix "$out/cmake-installed" &&
@@ -40,10 +42,12 @@ route_cmake() {
 }
 fetched() {
    have cmake || { skip "no cmake"; return; }
-   configured "$out/fetch-$1" "test/consumer/fetch_$1" "-DPOINSOT_SOURCE=$root" && "$out/fetch-$1/with_poinsot" && "$out/fetch-$1/with_static"
+   configured "$out/fetch-$1" "test/consumer/fetch_${1%-*}" "-DPOINSOT_SOURCE=$root" "-DBY_SUBDIRECTORY=$2" &&
+      "$out/fetch-$1/with_poinsot" && "$out/fetch-$1/with_static"
 }
-route_fetch_c() { fetched c; }
-route_fetch_fortran() { fetched fortran; }
+route_fetch_c() { fetched c OFF; }
+route_fetch_fortran() { fetched fortran OFF; }
+route_subdirectory() { fetched c-subdirectory ON && fetched fortran-subdirectory ON; }
 
 route_fpm() {
    fpm=build/tools/bin/fpm
@@ -52,7 +56,7 @@ route_fpm() {
    case $fpm in */*) fpm=$root/$fpm ;; esac
    rm -rf "$out/fpm/app"
    mkdir -p "$out/fpm" && cp -R test/consumer/by_fpm/app "$out/fpm" && sed "s|@SOURCE@|../../..|" test/consumer/by_fpm/fpm.toml.in >"$out/fpm/fpm.toml" &&
-      (cd "$out/fpm" && "$fpm" run --profile release)
+      (cd "$out/fpm" && FPM_FFLAGS="-march=native -fopenmp" "$fpm" run --profile release)
 }
 
 route_meson() {
@@ -79,6 +83,21 @@ route_read_only() {
 route_gfortran_11() {
    have cmake gfortran-11 || { skip "no gfortran-11"; return; }
    configured "$out/gfortran-11" . -DCMAKE_Fortran_COMPILER=gfortran-11 -DPOINSOT_EXAMPLES=OFF && (cd "$out/gfortran-11/run" && ../check core && ../check free)
+}
+
+# LLVM's compiler, and gfortran's consumers in C.
+route_flang() {
+   flang=
+   for it in ${FLANG:-} flang-24 flang-23 flang-22 flang-21 flang-20 flang-new-19 flang; do
+      if have "$it" && "$it" --version 2>/dev/null | grep -q 'flang.* version \(19\|[2-9][0-9]\)'; then flang=$it; break; fi
+   done
+   have cmake && [ -n "$flang" ] || { skip "no cmake, or no flang of version 19 or newer"; return; }
+   rm -rf "$out/flang-installed"
+   # shellcheck disable=SC2086
+   configured "$out/flang" . $library_only -DPOINSOT_APP=OFF "-DCMAKE_Fortran_COMPILER=$flang" &&
+      cmake --install "$out/flang" --prefix "$out/flang-installed" &&
+      configured "$out/flang-find" test/consumer "-DCMAKE_PREFIX_PATH=$out/flang-installed" -DCMAKE_Fortran_COMPILER=/nowhere &&
+      "$out/flang-find/with_poinsot" && "$out/flang-find/with_static"
 }
 
 # One installation: what the loader takes on an old, a newer and a new processor, for library and app.
@@ -156,8 +175,9 @@ assert not os.path.exists('/proc/self/maps') or 'liblapack' not in open('/proc/s
       "$out/venv/bin/python" -m pytest -q -p no:cacheprovider "$root/python/tests")
 }
 
-for route in ${*:-cmake fetch-c fetch-fortran fpm meson read-only gfortran-11 levels mpich openmpi cmake-mpi aarch64 wheel view}; do
-   begun=$(date +%s) why=
+for route in ${*:-cmake fetch-c fetch-fortran subdirectory fpm meson read-only gfortran-11 flang levels mpich openmpi cmake-mpi \
+   aarch64 wheel view}; do
+   begun=$(date +%s) why='' offline=''
    route_"$(echo "$route" | tr - _)" >"$out/$route.log" 2>&1
    case $? in
    0) echo "       ... $route [PASSED] $(($(date +%s) - begun)) s"

@@ -1,4 +1,5 @@
-! A project of fpm with poinsot as its dependency: fpm run --profile release.
+! A project of fpm with poinsot as its dependency:
+! FPM_FFLAGS="-march=native -fopenmp" fpm run --profile release
 program by_fpm
    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
    use poinsot, only: poinsot_body, poinsot_body_create, poinsot_error, poinsot_rotate
@@ -21,5 +22,6 @@ program by_fpm
    if (error%raised()) error stop error%message
    if (abs(y(1, 1) - 0.0545936805170046_dp) > 1e-13_dp) error stop "momentum"
    if (poinsot_has_feature("release" // c_null_char) /= 1) error stop "poinsot is not optimised"
+   if (poinsot_has_feature("openmp" // c_null_char) /= 1) error stop "poinsot has no threads"
    print '(a)', "by fpm: ok"
 end program by_fpm
