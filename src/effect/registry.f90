@@ -80,7 +80,7 @@ contains
          row = sources(i)%row()
          if (row%info%name == name) return
       end do
-      row = effect_row()
+      row = effect_row(info=effect_info())
       allocate (row%info%keys(0))
    end subroutine find_row
 
