@@ -85,7 +85,7 @@ route_gfortran_11() {
    configured "$out/gfortran-11" . -DCMAKE_Fortran_COMPILER=gfortran-11 -DPOINSOT_EXAMPLES=OFF && (cd "$out/gfortran-11/run" && ../check core && ../check free)
 }
 
-# LLVM's compiler, and gfortran's consumers in C.
+# LLVM's compiler, and a consumer in C.
 route_flang() {
    flang=
    for it in ${FLANG:-} flang-24 flang-23 flang-22 flang-21 flang-20 flang-new-19 flang; do
@@ -95,9 +95,12 @@ route_flang() {
    rm -rf "$out/flang-installed"
    # shellcheck disable=SC2086
    configured "$out/flang" . $library_only -DPOINSOT_APP=OFF "-DCMAKE_Fortran_COMPILER=$flang" &&
-      cmake --install "$out/flang" --prefix "$out/flang-installed" &&
-      configured "$out/flang-find" test/consumer "-DCMAKE_PREFIX_PATH=$out/flang-installed" -DCMAKE_Fortran_COMPILER=/nowhere &&
-      "$out/flang-find/with_poinsot" && "$out/flang-find/with_static"
+      cmake --install "$out/flang" --prefix "$out/flang-installed" || return 1
+   lib=$(echo "$out"/flang-installed/lib*)
+   # The static one is linked by flang: cc does not know where flang's own libraries are.
+   "${CC:-cc}" -c test/consumer/consumer.c -I"$out/flang-installed/include" -o "$out/flang.consumer.o" &&
+      "${CC:-cc}" "$out/flang.consumer.o" -L"$lib" -lpoinsot -lm -Wl,-rpath,"$lib" -o "$out/flang.consumer" && "$out/flang.consumer" &&
+      "$flang" -fopenmp "$out/flang.consumer.o" "$lib/libpoinsot.a" -llapack -lblas -o "$out/flang.consumer" && "$out/flang.consumer"
 }
 
 # One installation: what the loader takes on an old, a newer and a new processor, for library and app.
