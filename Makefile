@@ -28,7 +28,7 @@ export FC PORTABLE TARGET EXTRA_FLAGS PICTURES BUILDER BUILD SETUP
 stage := $(BUILD)/stage
 out := poinsot-out
 
-.PHONY: all setup build demo test check-deep check-routes test-mpi bench lint docs install uninstall clean distclean help
+.PHONY: all setup build demo test check-deep check-routes test-mpi bench lint gallery docs install uninstall clean distclean help
 .NOTPARALLEL:
 
 all: build
@@ -63,6 +63,9 @@ bench: build ## measure the speed of every method
 
 lint: setup ## fortitude, module names, warnings as errors
 	@tools/lint.sh
+
+gallery: build ## run every shipped scene, draw docs/gallery.md anew
+	@tools/gallery.sh
 
 docs: setup ## reference by FORD (into build/docs)
 	@tools/docs.sh

@@ -2,7 +2,7 @@
 # The gallery of the shipped scenes: runs each into build/gallery/NAME, where its page (view.html) and all its pictures are, and
 # writes docs/gallery.md with one picture of each, 640 dots wide, in docs/pictures/scenes, and the words of the scene's own head.
 #
-# usage: tools/gallery.sh [NAME ...]     only these scenes are run anew; the others keep their picture
+# usage: make gallery, or tools/gallery.sh [NAME ...]: only these scenes are run anew; the others keep their picture
 # environment: POINSOT the app (build/stage/bin/poinsot)
 
 set -u
@@ -23,8 +23,8 @@ words_of() { sed -n '/^!/!q; s/^! \{0,1\}//p' "scenes/$1.nml"; }
 
 # draw FOLDER PICTURE NAME: again, smaller; gnuplot's own script in the run's folder.
 draw() {
-   (cd "$1" && gnuplot -e "kinds = 'pngcairo'; dots = 640" "plot_${2%.png}.gp") || return 1
-   mv "$1/$2" "$pictures/$3.png"
+   mv "$1/$2" "$1/$2.large" && (cd "$1" && gnuplot -e "kinds = 'pngcairo'; dots = 640" "plot_${2%.png}.gp") || return 1
+   mv "$1/$2" "$pictures/$3.png" && mv "$1/$2.large" "$1/$2"
 }
 
 names=$("$app" scenes | awk 'NF == 0 { exit } { print $1 }')
@@ -37,7 +37,7 @@ done
 {
    echo '# Gallery'
    echo
-   echo 'The shipped scenes, made by `tools/gallery.sh`. `poinsot run NAME` leaves these pictures, the others that its words speak of, and'
+   echo 'The shipped scenes, made by `make gallery`. `poinsot run NAME` leaves these pictures, the others that its words speak of, and'
    echo '`view.html`: the motion, to watch in any browser.'
    for name in $names; do
       printf '\n## %s\n\n**%s**\n\n![%s](pictures/scenes/%s.png)\n\n' "$name" "$(words_of "$name" | head -n 1)" "$name" "$name"

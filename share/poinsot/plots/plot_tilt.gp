@@ -1,4 +1,4 @@
-# The angle of a body axis from the vertical against time, a curve for each of at most 16 bodies.
+# The angle of a body axis from z against time, a curve for each of at most 16 bodies.
 # `gnuplot plot_tilt.gp`, in this folder, draws tilt.svg and tilt.png.
 load 'motion.gp'
 ends = smaller(bodies, 16)
@@ -25,7 +25,7 @@ do for [kind in kinds] {
    eval begin(kind, 'tilt', 720, 400)
    unset key; set border 3; set tics nomirror out; set rmargin 9; set tmargin 2.5
    set xlabel 't'; set ylabel 'angle (degrees)'
-   set label 2 axis_name . ': angle from the vertical' at graph 0, graph 1.06 tc rgb '#555555'
+   set label 2 axis_name . ': angle from z' at graph 0, graph 1.06 tc rgb '#555555'
    set xrange [t_first : t_last]; set yrange [0:top]; set ytics step
    set xtics tick(t_last - t_first, 7)
    gap = 0.055; letter = 0.0105
