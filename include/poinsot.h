@@ -345,7 +345,9 @@ poinsot_status poinsot_bodies_check(const poinsot_plan *plan, const poinsot_bodi
 /* ---- many bodies: what a host calls every step --------------------------------------------------------------------- */
 
 /* Free rotation of all bodies over h by the plan's method, with built-in wheels (gyrostats) as in poinsot_step; no other effect
- * of the plan acts (drag and thermostat: poinsot_dissipate). */
+ * of the plan acts (drag and thermostat: poinsot_dissipate). A wheel whose momentum is a table in time asks for the time, which
+ * poinsot_step and poinsot_energy know: POINSOT_E_METHOD here, in poinsot_dissipate, and in poinsot_kick and poinsot_momentum where
+ * the layout has velocities. */
 poinsot_status poinsot_drift(const poinsot_plan *plan, const poinsot_bodies *bodies, double h);
 
 /* Kick: y += h torque. torque[j][i*stride] is component j for body i, in the frame that the plan says; stride >= 1. */

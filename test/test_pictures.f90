@@ -50,6 +50,7 @@ contains
       character(*), parameter :: names(5) = [character(60) :: "", "attitude, momentum, drift", &
          "tilt, drift", "nutation, drift, attitude, momentum", &
          "angle, drift, attitude, momentum, tilt, nutation"]
+      character(*), parameter :: wheel = "&gyrostat times=0,1 table=0,0,1,0,0,2 /"
       type(scene_settings) :: scene
       type(poinsot_error) :: failure
       character(16), allocatable :: found(:)
@@ -61,6 +62,10 @@ contains
          call expect(error, joined(found) == trim(names(i)), &
             trim(texts(i)) // ": " // joined(found))
       end do
+      call make(top // wheel // nl // "&output every=0.5 /", scene, failure)
+      call picture_names(scene, found)
+      call expect(error, joined(found) == "attitude, drift", "a wheel that changes: " // &
+         joined(found))
    end subroutine several_kinds
 
    !> Observables have a picture of their own, which needs no trajectory.csv.

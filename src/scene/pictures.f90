@@ -37,7 +37,9 @@ contains
          if (kind == "") exit
          select case (kind)
          case ("body")
-            call add([character(16) :: "attitude", "momentum", "drift"])
+            call add([character(16) :: "attitude"])
+            if (.not. wheels_change(scene)) call add([character(16) :: "momentum"])
+            call add([character(16) :: "drift"])
          case ("top")
             call add([character(16) :: "nutation", "drift"])
          case ("tilt")
@@ -99,7 +101,8 @@ contains
       end do
    end subroutine picture_files
 
-   !> Has a body a rotor whose momentum is a table? Pictures of temperatures know constant ones.
+   !> Has a body a rotor whose momentum is a table? Pictures of temperatures, and of the levels of
+   !> the energy on the sphere of momenta, know constant ones.
    pure logical function wheels_change(scene)
       type(scene_settings), intent(in) :: scene !! the typed scene
       integer :: i
