@@ -187,10 +187,12 @@ def sentence(function: Any, *arguments: Any) -> str:
     return buffer.value.decode(errors="replace")
 
 
-def sentence_of_status(function: Any, *arguments: Any) -> str:
-    """The same of a function that returns a status."""
+def sentence_of_status(function: Any, *arguments: Any, of: Optional[int] = None) -> str:
+    """The same of a function that returns a status; "" if it is another than `of`."""
     buffer = c.create_string_buffer(1024)
-    function(*arguments, buffer, len(buffer))
+    status = function(*arguments, buffer, len(buffer))
+    if of is not None and status != of:
+        return ""
     return buffer.value.decode(errors="replace")
 
 

@@ -295,7 +295,8 @@ class Plan:
     def _check_bodies(self, status: int, view: _View) -> None:
         message = ""
         if status not in (Status.OK, Status.PARTIAL):
-            message = sentence_of_status(library.poinsot_bodies_check, self._one, view.bodies) or status_text(status)
+            message = (sentence_of_status(library.poinsot_bodies_check, self._one, view.bodies, of=status)
+                       or status_text(status))
         check_bodies(status, view.each, view.each_given, message)
 
     def _change(self, function: str, y: np.ndarray, q: np.ndarray, given: dict[str, Any], steps: int, *arguments: Any,

@@ -212,6 +212,23 @@ def test_effect_on_a_class():
         plan.add_effect("gravity", centre=[0, 0, 1], **{"class": 1})
 
 
+def test_rotor_that_changes():
+    def plan(name, **keys):
+        made = poinsot.Plan(splitting="srkn6")
+        made.add_class([0.6, 0.8, 1.0])
+        made.add_effect(name, **keys)
+        return made
+
+    wheel = plan("gyrostat", times=[0, 1, 1, 2], table=[[0, 0, 0.1], [0, 0, 1], [0, 0.5, 1], [0, 0, 0]])
+    y, q = wheel.step(*start(), 0.01, steps=200)
+    assert abs(np.linalg.norm(y) - np.linalg.norm(start()[0])) < 1e-13
+    with pytest.raises(poinsot.Error, match="at which time"):
+        wheel.drift(y, q, 0.1)
+    constant = plan("gyrostat", times=[0, 1], table=[[0.1, 0.2, 0.3]]*2).step(*start(), 0.01, steps=200)
+    same = plan("gyrostat", rotor=[0.1, 0.2, 0.3]).step(*start(), 0.01, steps=200)
+    assert abs(constant[0] - same[0]).max() < 1e-15
+
+
 @pytest.mark.parametrize("layout", ["native", "lammps", "dl_poly", "hoomd"])
 def test_layouts_and_views(layout, crowd):
     plan = poinsot.Plan(layout=layout)

@@ -15,7 +15,7 @@ module poinsot_api_plan
       class_axes, &
       set_option, &
       add_effect
-   use poinsot_ensemble_check, only: check_ready
+   use poinsot_ensemble_check, only: check_ready, check_moments, to_drift
    use poinsot_ensemble_layout, only: conjugate_momentum
    implicit none(type, external)
    private
@@ -254,7 +254,7 @@ contains
       call to_c(p%message, buffer, capacity)
    end function plan_message
 
-   !> Would these bodies do for this plan? The reason if not goes to the buffer.
+   !> Would poinsot_drift take these bodies with this plan? The reason if not goes to the buffer.
    integer(c_int) function bodies_check(plan, bodies, buffer, capacity) &
       bind(c, name="poinsot_do_bodies_check") result(status)
       type(c_ptr), value :: plan             !! const poinsot_plan *
@@ -270,6 +270,7 @@ contains
          call raise(error, poinsot_e_null, "the plan is NULL")
       else if (.not. raised(error)) then
          call check_ready(p%plan, view, error)
+         if (.not. raised(error)) call check_moments(p%plan, view, to_drift, error)
       end if
       status = error%code
       if (raised(error)) call to_c(error%message, buffer, capacity)

@@ -310,6 +310,12 @@ static void bodies(void) {
   CHECK(poinsot_bodies_check(four, &view, text, sizeof text) == POINSOT_E_SIZE && strstr(text, "y_fourth"));
   CHECK(poinsot_bodies_check(it, &view, NULL, 0) == POINSOT_OK);
   CHECK(poinsot_drift(four, &view, 0.1) == POINSOT_E_SIZE);
+  CHECK(poinsot_plan_create(&open) == POINSOT_OK && poinsot_plan_add_class(open, moments, NULL) == POINSOT_OK &&
+        poinsot_plan_add_effect(open, "gyrostat", "times = 0, 1; table = 0, 0, 1, 0, 0, 2") == POINSOT_OK &&
+        poinsot_plan_ready(open) == POINSOT_OK);
+  CHECK(poinsot_drift(open, &view, 0.1) == POINSOT_E_METHOD);
+  CHECK(poinsot_bodies_check(open, &view, text, sizeof text) == POINSOT_E_METHOD && strstr(text, "at which time"));
+  poinsot_plan_destroy(&open);
 
   CHECK(poinsot_plan_create(&open) == POINSOT_OK);
   CHECK(poinsot_drift(open, &view, 0.1) == POINSOT_E_DOMAIN);
