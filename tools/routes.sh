@@ -127,12 +127,18 @@ mpi_with() {
 route_mpich() { mpi_with mpich; }
 route_openmpi() { mpi_with openmpi; }
 
-# The app of several processes by CMake.
+# The app of several processes by CMake, with each MPI that is here.
 route_cmake_mpi() {
    have cmake mpirun || { skip "no cmake or mpirun"; return; }
-   # shellcheck disable=SC2086
-   configured "$out/cmake-mpi" . $library_only -DPOINSOT_MPI=ON -DPOINSOT_SHARED=OFF &&
-      ALONE=$out/cmake-mpi/bin/poinsot MANY=$out/cmake-mpi/bin/poinsot-mpi MPIRUN=mpirun test/mpi.sh
+   kinds=
+   for mpi in .mpich .openmpi; do ! have "mpifort$mpi" "mpirun$mpi" || kinds="$kinds mpifort$mpi:mpirun$mpi"; done
+   for mpi in ${kinds:-mpifort:mpirun}; do
+      rm -f "$out/cmake-mpi/CMakeCache.txt" # what was found of the other
+      # shellcheck disable=SC2086
+      configured "$out/cmake-mpi" . $library_only -DPOINSOT_MPI=ON -DPOINSOT_SHARED=OFF \
+         "-DMPI_Fortran_COMPILER=$(command -v "${mpi%:*}")" &&
+         ALONE=$out/cmake-mpi/bin/poinsot MANY=$out/cmake-mpi/bin/poinsot-mpi MPIRUN=${mpi#*:} test/mpi.sh || return 1
+   done
 }
 
 # Compiled for another kind of processor, and run by an emulated one. Without LAPACK of that kind: a consumer that needs none.
