@@ -10,7 +10,7 @@ program counted
    use poinsot_ensemble_bodies, only: body_view, view_rows, view_columns
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_rotate, only: rotate_bodies
-   use poinsot_ensemble_step, only: step_bodies
+   use poinsot_ensemble_step, only: drift_bodies, step_bodies
    use poinsot_free_method, only: free_method, find_method, method_names, advance
    use bench_effect_plans, only: make_plan, add_any_effect, finish_plan
    use bench_tasks, only: random_bodies
@@ -29,7 +29,7 @@ program counted
    type(body_class) :: class
    type(poinsot_error) :: error
    type(poinsot_plan), target :: plans(0:effect_count)
-   integer, parameter :: n = 2*lanes !! bodies of a call: more than one block
+   integer, parameter :: n = 16*lanes !! bodies of a call: so many blocks that its way in is little
    real(dp), target :: y0(3, n), q0(4, n), y(3, n), q(4, n), yc(n, 3), qc(n, 4)
    character(256) :: folder
    integer :: list, i, k
@@ -93,7 +93,22 @@ contains
       call rotate_region("call", "exact from columns", columns, 1)
       call rotate_region("call", "exact from rows", rows, 1)
       call rotate_region("call", "exact from rows", rows, more)
+      call drift_region(rows)
    end subroutine count_calls
+
+   !> A drift by a plan, with no member of the view but y and q.
+   subroutine drift_region(view)
+      type(body_view), intent(in) :: view
+      type(poinsot_plan), target :: plan
+      integer :: status
+      call make_plan(moments, "exact", "native", plan)
+      call finish_plan(plan)
+      call drift_bodies(plan, view, phases(1)*minval(moments), status, error)
+      call bench_mark()
+      call drift_bodies(plan, view, phases(1)*minval(moments), status, error)
+      call bench_mark()
+      call name_region("call", "plain drift", phases(1), n)
+   end subroutine drift_region
 
    subroutine rotate_region(kind, name, view, steps)
       character(*), intent(in) :: kind, name

@@ -17,6 +17,7 @@ out=build/bench
 flags=$(tools/flags.sh release)
 libraries="$stage/lib/libpoinsot.a $(tools/flags.sh link) -llapack -lblas"
 quick=
+plain_drift=67.9          # instructions a body of a drift that uses no member of the view but y and q: it shall stay within 1 %
 OMP_WAIT_POLICY=passive # a thread that waits must not cost processor time
 OMP_PROC_BIND=true        # two threads on two processors, also while another program has one of them
 export OMP_WAIT_POLICY OMP_PROC_BIND
@@ -76,6 +77,10 @@ instructions() {
    echo
    awk -F, 'NR == 1 || $1 == "kernel" || $1 == "step" || $1 == "call"' $out/instructions.csv | awk -F, '
       { printf "   %-8s %-22s %8s %13s %7s %7s %11s %18s %16s %7s\n", $1, $2, $3, $4, $5, $6, $7, $8, $9, $10 }'
+   echo
+   awk -F, -v recorded=$plain_drift '$1 == "call" && $2 == "plain drift" {
+      printf "   a plain drift: %.1f instructions a body; recorded with gfortran 12.2 and AVX-512: %.1f (%+.1f %%)\n",
+         $4, recorded, 100*($4/recorded - 1) }' $out/instructions.csv
 }
 
 # What a host pays: layouts, members of poinsot_bodies, few bodies.
@@ -88,11 +93,22 @@ ways() {
    $out/ways $quick
 }
 
+# What threads bring, on the machine as it is and on one where each processor has another program.
+threads() {
+   have "$CC" && "$CC" -O2 -I include -c bench/threads.c -o $out/threads.o 2>/dev/null || return 0
+   "$FC" $flags $out/threads.o $libraries -o $out/threads || return 0
+   echo
+   echo "threads, by the work of a call"
+   echo
+   $out/threads $quick
+}
+
 {
    machine
    $out/bench $quick $out || exit 1
    elliptic
    ways
+   threads
    [ -n "$quick" ] || instructions
    echo
    echo "written: $out/report.txt, times.csv, errors.csv$([ -n "$quick" ] || echo ', instructions.csv, functions.csv')"

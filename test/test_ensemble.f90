@@ -32,6 +32,7 @@ module test_ensemble
    use test_ensemble_every, only: collect_every
    use test_ensemble_classes, only: collect_classes
    use test_ensemble_own, only: collect_own
+   use test_ensemble_plain, only: collect_plain
    use test_expectation, only: expect
    implicit none(type, external)
    private
@@ -53,7 +54,8 @@ contains
 
    subroutine collect_ensemble(testsuite)
       type(unittest_type), allocatable, intent(out) :: testsuite(:)
-      type(unittest_type), allocatable :: bits(:), dissipate(:), every(:), own(:), classes(:)
+      type(unittest_type), allocatable :: bits(:), dissipate(:), every(:), own(:), classes(:), &
+         plain(:)
       testsuite = [ &
          new_unittest("momentum-variables-mean-what-they-say", test_variables), &
          new_unittest("momentum-variables-move-alike", test_alike), &
@@ -72,9 +74,10 @@ contains
       call collect_bits(bits)
       call collect_every(every)
       call collect_own(own)
+      call collect_plain(plain)
       call collect_classes(classes)
       call collect_dissipate(dissipate)
-      testsuite = [testsuite, bits, every, own, classes, dissipate]
+      testsuite = [testsuite, bits, every, own, plain, classes, dissipate]
    end subroutine collect_ensemble
 
    !> A body's state in one of the five variables, by the algebra of room rotation; axes: the

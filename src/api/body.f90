@@ -4,15 +4,18 @@ module poinsot_api_body
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
       c_null_ptr, c_ptr, c_ptrdiff_t, c_size_t
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use poinsot_api_text, only: from_c
+   use poinsot_api_text, only: name_from_c
    use poinsot_body_class, only: body_class, make_class, needs_more
    use poinsot_body_inertia, only: principal_axes
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_memory, poinsot_e_null, &
-      poinsot_e_partial, poinsot_e_size
+   use poinsot_core_kinds, only: name_length
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_memory, &
+      poinsot_e_method, poinsot_e_null, poinsot_e_partial, poinsot_e_size
    use poinsot_ensemble_bodies, only: body_view, most_bodies, view_rows
    use poinsot_ensemble_direct, only: one_chunk, without_inertia, rotate_direct, &
       rotate_by_moments
+   use poinsot_ensemble_layout, only: body_momentum
+   use poinsot_ensemble_plain, only: open_plain, plain_arrays
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_free_method, only: free_method, find_method
    implicit none(type, external)
@@ -119,58 +122,77 @@ contains
       type(body_class), pointer :: class
       type(free_method) :: chosen
       type(poinsot_error) :: error
-      real(c_double), pointer :: yy(:, :), qq(:, :)
-      real(c_double) :: no_y(3, 0), no_q(4, 0)
-      integer(c_int), pointer :: each(:)
-      character(:), allocatable :: name
+      character(name_length) :: name
+      logical :: fits
 
       status = poinsot_e_null
-      if (.not. c_associated(body)) return
-      call from_c(method, name)
-      if (.not. allocated(name)) return
+      if (.not. (c_associated(body) .and. c_associated(method))) return
+      call name_from_c(method, name, fits)
       if (n > 0 .and. .not. (c_associated(y) .and. c_associated(q))) return
+      status = poinsot_e_method
+      if (.not. fits) return
       call find_method(name, chosen, error)
       status = error%code
       if (raised(error)) return
       status = poinsot_e_size
       if (n < 0 .or. n > most_bodies .or. steps < 0 .or. steps > huge(0)) return
       call c_f_pointer(body, class)
-      if (n == 0) then
-         call rotate_rows(class, chosen, h, int(steps), int(threads), 0, no_y, no_q, status)
-         return
-      end if
-      call c_f_pointer(y, yy, [3_c_size_t, n])
-      call c_f_pointer(q, qq, [4_c_size_t, n])
-      nullify (each)
-      if (c_associated(per_body)) call c_f_pointer(per_body, each, [n])
-      call rotate_rows(class, chosen, h, int(steps), int(threads), int(n), yy, qq, status, &
-         each)
+      call rotate_rows(class, chosen, h, int(steps), int(threads), int(n), y, q, per_body, status)
    end function rotate_by
 
-   !> The same of arrays: few bodies by the short way.
-   subroutine rotate_rows(class, method, h, steps, threads, n, y, q, status, each)
+   !> The same of arrays that are there: few bodies by the short way.
+   subroutine rotate_rows(class, method, h, steps, threads, n, y, q, per_body, status)
       type(body_class), intent(in) :: class
       type(free_method), intent(in) :: method
       real(c_double), intent(in) :: h
       integer, intent(in) :: steps, threads, n
-      real(c_double), intent(inout), target :: y(3, n), q(4, n)
+      type(c_ptr), intent(in) :: y, q          !! double[n][3], double[n][4]
+      type(c_ptr), intent(in) :: per_body      !! int[n], or NULL
       integer(c_int), intent(out) :: status
-      integer(c_int), intent(inout), target, optional :: each(n)
-      type(body_view) :: view
-      type(poinsot_error) :: error
+      type(plain_arrays) :: a
       logical :: failed
       if (n > 0 .and. n <= one_chunk .and. class%sorted(1) > 0 .and. ieee_is_finite(h) .and. &
           .not. needs_more(class, method%terms)) then
-         call rotate_direct(class, method, h, steps, n, y(1, 1), y(2, 1), y(3, 1), &
-                            3_c_ptrdiff_t, q(1, 1), q(2, 1), q(3, 1), q(4, 1), 4_c_ptrdiff_t, &
-                            failed, each)
+         call open_rows(n, y, q, per_body, a)
+         call rotate_direct(class, method, body_momentum, h, steps, .false., a, failed)
          status = merge(poinsot_e_partial, poinsot_ok, failed)
-         return
+      else
+         call rotate_many(class, method, h, steps, threads, n, y, q, per_body, status)
       end if
-      call view_rows(y, q, view)
-      if (present(each)) view%status => each
-      call rotate_bodies(class, method, h, steps, view, threads, status, error)
    end subroutine rotate_rows
+
+   subroutine open_rows(n, y, q, per_body, a)
+      integer, intent(in) :: n
+      type(c_ptr), intent(in) :: y, q, per_body
+      type(plain_arrays), intent(out) :: a
+      real(c_double), pointer :: yy(:), qq(:)
+      call c_f_pointer(y, yy, [3])
+      call c_f_pointer(q, qq, [4])
+      call open_plain(n, 3, [c_loc(yy(1)), c_loc(yy(2)), c_loc(yy(3))], 3_c_ptrdiff_t, &
+                      [c_loc(qq(1)), c_loc(qq(2)), c_loc(qq(3)), c_loc(qq(4))], 4_c_ptrdiff_t, &
+                      per_body, c_null_ptr, a)
+   end subroutine open_rows
+
+   !> The same of any number, by a view.
+   subroutine rotate_many(class, method, h, steps, threads, n, y, q, per_body, status)
+      type(body_class), intent(in) :: class
+      type(free_method), intent(in) :: method
+      real(c_double), intent(in) :: h
+      integer, intent(in) :: steps, threads, n
+      type(c_ptr), intent(in) :: y, q, per_body
+      integer(c_int), intent(out) :: status
+      type(body_view) :: view
+      type(poinsot_error) :: error
+      real(c_double), pointer :: yy(:, :), qq(:, :)
+      real(c_double), target :: no_y(3, 0), no_q(4, 0)
+      yy => no_y
+      qq => no_q
+      if (n > 0) call c_f_pointer(y, yy, [3, n])
+      if (n > 0) call c_f_pointer(q, qq, [4, n])
+      call view_rows(yy, qq, view)
+      if (n > 0 .and. c_associated(per_body)) call c_f_pointer(per_body, view%status, [n])
+      call rotate_bodies(class, method, h, steps, view, threads, status, error)
+   end subroutine rotate_many
 
    !> Bodies of one kind by their moments, for fixed form: constants for each lane, no class.
    integer(c_int) function rotate_moments(moments, by_jacobi, h, steps, n, y, q, per_body) &
@@ -181,12 +203,9 @@ contains
       integer(c_size_t), value :: steps, n
       type(c_ptr), value :: y, q             !! double[n][3], double[n][4]
       type(c_ptr), value :: per_body         !! poinsot_status[n], may be NULL
-      real(c_double), pointer :: m(:), yy(:, :), qq(:, :)
-      real(c_double), target :: no_y(3, 0), no_q(4, 0)
-      integer(c_int), pointer :: each(:)
-      type(body_class) :: class
-      type(free_method) :: chosen
-      type(poinsot_error) :: error
+      real(c_double), pointer :: m(:)
+      real(c_double), target :: still(4)
+      type(plain_arrays) :: a
       logical :: failed
       status = poinsot_e_null
       if (.not. c_associated(moments)) return
@@ -196,18 +215,32 @@ contains
       status = poinsot_e_domain
       if (.not. ieee_is_finite(h)) return
       call c_f_pointer(moments, m, [3])
-      yy => no_y
-      qq => no_q
-      nullify (each)
-      if (n > 0) call c_f_pointer(y, yy, [3_c_size_t, n])
-      if (n > 0) call c_f_pointer(q, qq, [4_c_size_t, n])
-      if (c_associated(per_body) .and. n > 0) call c_f_pointer(per_body, each, [n])
-      call rotate_by_moments(m, by_jacobi /= 0, h, int(steps), int(n), yy, qq, failed, status, each)
+      if (n > 0) then
+         call open_rows(int(n), y, q, per_body, a)
+      else ! the moments are judged all the same
+         still = 0
+         call open_rows(0, c_loc(still), c_loc(still), c_null_ptr, a)
+      end if
+      call rotate_by_moments(m, by_jacobi /= 0, h, int(steps), a, failed, status)
       if (status == poinsot_ok .and. failed) status = poinsot_e_partial
-      if (status /= without_inertia) return
-      call make_class(m, class, error)
-      call find_method(trim(merge("jacobi", "exact ", by_jacobi /= 0)), chosen, error)
-      call rotate_rows(class, chosen, h, int(steps), 1, int(n), yy, qq, status, each)
+      if (status == without_inertia) call rotate_linear(m, by_jacobi /= 0, h, int(steps), int(n), &
+         y, q, per_body, status)
    end function rotate_moments
+
+   !> The same of bodies that need a class.
+   subroutine rotate_linear(moments, by_jacobi, h, steps, n, y, q, per_body, status)
+      real(c_double), intent(in) :: moments(3)
+      logical, intent(in) :: by_jacobi
+      real(c_double), intent(in) :: h
+      integer, intent(in) :: steps, n
+      type(c_ptr), intent(in) :: y, q, per_body
+      integer(c_int), intent(out) :: status
+      type(body_class) :: class
+      type(free_method) :: chosen
+      type(poinsot_error) :: error
+      call make_class(moments, class, error)
+      call find_method(trim(merge("jacobi", "exact ", by_jacobi)), chosen, error)
+      call rotate_rows(class, chosen, h, steps, 1, n, y, q, per_body, status)
+   end subroutine rotate_linear
 
 end module poinsot_api_body

@@ -17,6 +17,15 @@ int poinsot_processor_fits(void);
 
 static int processor_has_it_all(void) {
 #if (defined __x86_64__ || defined __i386__) && defined __GNUC__
+  /* All that could be asked for: the compiler makes one or two tests of it. */
+#define HAS(feature) __builtin_cpu_supports(feature)
+  if (HAS("sse3") && HAS("ssse3") && HAS("sse4.1") && HAS("sse4.2") && HAS("popcnt") && HAS("avx") && HAS("avx2") && HAS("fma") &&
+      HAS("bmi") && HAS("bmi2")) {
+    if (poinsot_build_needs >> 10 == 0) return 1;
+    if (HAS("avx512f") && HAS("avx512vl") && HAS("avx512bw") && HAS("avx512dq") && HAS("avx512cd") && HAS("avx512vbmi") &&
+        HAS("avx512ifma") && HAS("avx512vpopcntdq") && HAS("avx512vbmi2") && HAS("gfni") && HAS("vpclmulqdq") && HAS("avx512vnni"))
+      return 1;
+  }
   NEEDS(0, "sse3");
   NEEDS(1, "ssse3");
   NEEDS(2, "sse4.1");

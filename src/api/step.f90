@@ -11,8 +11,10 @@ module poinsot_api_step
    use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_null, poinsot_e_partial
    use poinsot_ensemble_bodies, only: body_view, column, most_bodies, open_column, poinsot_bodies
    use poinsot_ensemble_check, only: check_ready
-   use poinsot_ensemble_direct, only: is_free, kick_direct, rotate_direct, &
-      takes_direct
+   use poinsot_ensemble_direct, only: adds_direct, is_free, kick_direct, momentum_columns, &
+      rotate_direct, takes_direct
+   use poinsot_ensemble_layout, only: space_momentum
+   use poinsot_ensemble_plain, only: open_plain, open_torques, plain_arrays, plain_torques
    use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
    use poinsot_ensemble_dissipate, only: dissipate_bodies
@@ -44,13 +46,6 @@ module poinsot_api_step
    contains
       procedure :: evaluate => evaluate_c
    end type c_callback
-
-   !> The arrays of a view with nothing but y, q and status.
-   type :: plain_arrays
-      real(dp), pointer, contiguous, dimension(:) :: y1 => null(), y2 => null(), y3 => null(), &
-         q1 => null(), q2 => null(), q3 => null(), q4 => null()
-      integer(c_int), pointer, contiguous :: each(:) => null()
-   end type plain_arrays
 
    integer, parameter :: one_drift = -1
 
@@ -100,14 +95,14 @@ contains
       status = poinsot_ok
       if (done .and. steps /= one_drift) done = is_free(p%plan)
       if (.not. done) return
-      call open_plain(b, a)
-      call rotate_direct(p%plan%classes(1)%it, p%plan%method, h, &
-                         merge(1, steps, steps == one_drift), int(b%n), a%y1, a%y2, a%y3, &
-                         b%y_stride, a%q1, a%q2, a%q3, a%q4, b%q_stride, failed, a%each)
+      call open_arrays(p, b, a)
+      call rotate_direct(p%plan%classes(1)%it, p%plan%method, p%plan%momentum, h, &
+                         merge(1, steps, steps == one_drift), &
+                         steps == one_drift .and. p%plan%momentum == space_momentum, a, failed)
       if (failed) status = poinsot_e_partial
    end subroutine drift_plain
 
-   !> The same for a kick by torques in the body frame.
+   !> The same for a kick by torques in the frame of the momenta.
    subroutine kick_plain(plan, bodies, h, torque, stride, done, status)
       type(c_ptr), intent(in) :: plan, bodies, torque
       real(c_double), intent(in) :: h
@@ -118,24 +113,19 @@ contains
       type(poinsot_bodies), pointer :: b
       type(plain_arrays) :: a
       type(c_ptr), pointer :: bases(:)
-      real(dp), pointer, contiguous :: g1(:), g2(:), g3(:)
-      integer(c_size_t) :: last(1)
+      type(plain_torques) :: g
       logical :: failed
       call find_plain(plan, bodies, h, p, b, done)
       status = poinsot_ok
-      if (done) done = c_associated(torque) .and. .not. p%plan%space_torque .and. stride >= 1 &
-         .and. stride <= huge(0)
+      if (done) done = c_associated(torque) .and. adds_direct(p%plan) .and. stride >= 1 .and. &
+         stride <= huge(0)
       if (.not. done) return
       call c_f_pointer(torque, bases, [3])
       done = c_associated(bases(1)) .and. c_associated(bases(2)) .and. c_associated(bases(3))
       if (.not. done) return
-      last = 1 + (b%n - 1)*stride
-      call c_f_pointer(bases(1), g1, last)
-      call c_f_pointer(bases(2), g2, last)
-      call c_f_pointer(bases(3), g3, last)
-      call open_plain(b, a)
-      call kick_direct(p%plan%classes(1)%it, h, int(b%n), g1, g2, g3, stride, a%y1, a%y2, a%y3, &
-                       b%y_stride, a%q1, a%q2, a%q3, a%q4, b%q_stride, failed, a%each)
+      call open_torques(int(b%n), bases, stride, g)
+      call open_arrays(p, b, a)
+      call kick_direct(p%plan%classes(1)%it, p%plan%momentum, h, g, a, failed)
       if (failed) status = poinsot_e_partial
    end subroutine kick_plain
 
@@ -151,28 +141,25 @@ contains
       if (.not. associated(p) .or. .not. c_associated(bodies)) return
       call c_f_pointer(bodies, b)
       if (.not. is_plain(b)) return
-      plain = takes_direct(p%plan, int(b%n)) .and. ieee_is_finite(h)
+      plain = takes_direct(p%plan, int(b%n)) .and. ieee_is_finite(h) .and. &
+         (momentum_columns(p%plan) == 3 .or. c_associated(b%y_fourth))
    end subroutine find_plain
 
    !> The arrays of a plain view.
-   subroutine open_plain(b, a)
+   subroutine open_arrays(p, b, a)
+      type(plan_handle), intent(in) :: p
       type(poinsot_bodies), intent(in) :: b
-      type(plain_arrays), intent(inout) :: a
-      integer(c_size_t) :: last(1)
-      last = 1 + (b%n - 1)*b%y_stride
-      call c_f_pointer(b%y(1), a%y1, last)
-      call c_f_pointer(b%y(2), a%y2, last)
-      call c_f_pointer(b%y(3), a%y3, last)
-      last = 1 + (b%n - 1)*b%q_stride
-      call c_f_pointer(b%q(1), a%q1, last)
-      call c_f_pointer(b%q(2), a%q2, last)
-      call c_f_pointer(b%q(3), a%q3, last)
-      call c_f_pointer(b%q(4), a%q4, last)
-      nullify (a%each)
-      if (c_associated(b%status)) call c_f_pointer(b%status, a%each, [b%n])
-   end subroutine open_plain
+      type(plain_arrays), intent(out) :: a
+      if (momentum_columns(p%plan) == 4) then
+         call open_plain(int(b%n), 4, [b%y, b%y_fourth], b%y_stride, b%q, b%q_stride, b%status, &
+                         b%scale, a)
+      else
+         call open_plain(int(b%n), 3, b%y, b%y_stride, b%q, b%q_stride, b%status, &
+                         b%scale, a)
+      end if
+   end subroutine open_arrays
 
-   !> Are there but y, q and status, as many and with such strides as can be?
+   !> Are there but y, q, scales and statuses, as many and with such strides as can be?
    logical function is_plain(b)
       type(poinsot_bodies), intent(in) :: b
       integer :: j
@@ -186,7 +173,7 @@ contains
          if (.not. c_associated(b%q(j))) return
       end do
       if (c_associated(b%body_class) .or. c_associated(b%carry) .or. c_associated(b%y_at) .or. &
-          c_associated(b%q_at) .or. c_associated(b%scale)) return
+          c_associated(b%q_at)) return
       is_plain = b%class_stride >= 0 .and. b%class_stride <= huge(0) .and. &
          (b%first_class == 0 .or. b%first_class == 1)
    end function is_plain

@@ -4,7 +4,7 @@ module poinsot_api_text
       c_associated, c_f_pointer
    implicit none(type, external)
    private
-   public :: from_c, to_c
+   public :: from_c, name_from_c, to_c
 
    interface
       pure integer(c_size_t) function c_strlen(text) bind(c, name="strlen")
@@ -32,6 +32,22 @@ contains
          s(i:i) = c(i)
       end do
    end subroutine from_c
+
+   !> The same as one of fixed length, blank-padded, for calls that must not wait for memory.
+   subroutine name_from_c(text, name, fits)
+      type(c_ptr), intent(in) :: text              !! not NULL
+      character(*), intent(out) :: name
+      logical, intent(out) :: fits                 !! .false.: it is longer
+      character(kind=c_char), pointer :: c(:)
+      integer :: i
+      call c_f_pointer(text, c, [len(name) + 1])   ! looked at up to its end only
+      name = ""
+      do i = 1, len(name) + 1
+         fits = c(i) == c_null_char
+         if (fits .or. i > len(name)) return
+         name(i:i) = c(i)
+      end do
+   end subroutine name_from_c
 
    !> A Fortran text into a C buffer: at most `capacity` bytes, the last of them zero. A NULL buffer
    !> takes nothing.

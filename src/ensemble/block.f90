@@ -103,7 +103,8 @@ contains
          call take(host%y, host%view%y_at, at, n, b%y)
          call reject(b%nvec, 3, [class%limit, 0.0_dp], b%y, b%q, b%status)
       else
-         p = 0
+         if (n < lanes) p = 0
+         p(:, 4) = 0
          call take(host%y, host%view%y_at, at, n, p)
          call reject(b%nvec, 4, [huge(p), huge(p), huge(p), huge(p)], p, b%q, b%status)
          call to_native(host%momentum, is_turned(host, class), class, &
@@ -433,7 +434,8 @@ contains
       else
          call from_native(host%momentum, is_turned(host, b%class), b%class, &
             rotor_then(b%class, host%stored), b%y, b%q, p, b%own)
-         call pack_lanes(b, p, at, n)
+         at(:n) = b%at(:n)
+         if (any_failed(b%status)) call pack_lanes(b, p, at, n)
          if (n > 0 .and. .not. keep_momentum) call give(host%y, host%view%y_at, at, n, p)
          if (n > 0 .and. .not. keep_attitude) call give(host%q, host%view%q_at, at, n, b%q)
       end if

@@ -1,23 +1,25 @@
-!> The short way for what hosts do most: free rotation of bodies of one class, in the native
-!> variables, component by component with any stride. The kernels and checks are those of all ways,
-!> and so are the bits; what is left out are views, sorting, and the tables of effects.
+!> The short way for what hosts do most: free rotation and kicks of bodies of one class, where a call
+!> brings nothing but y, q, statuses and scales. The kernels, the turning of momenta and the checks are those
+!> of all ways, and so are the bits; what is left out are views, sorting, and the tables of effects.
 module poinsot_ensemble_direct
-   use, intrinsic :: iso_c_binding, only: c_int, c_ptrdiff_t
    use poinsot_core_kinds, only: dp, group, lanes
-   use poinsot_core_lanes, only: any_failed
    use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_block, only: reject, reject_torques, add_products
-   use poinsot_ensemble_layout, only: body_momentum
+   use poinsot_ensemble_direct_scaled, only: kick_scaled, rotate_scaled
+   use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, space_momentum, &
+      from_native, to_native
+   use poinsot_ensemble_plain, only: plain_arrays, plain_torques, load, load_torques, store
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_free_exact_lanes, only: advance_each, make_constants
+   use poinsot_free_limits, only: reject_speed
    use poinsot_free_method, only: free_method, advance
    use poinsot_free_lane_moments, only: lane_moments, take_moments
    implicit none(type, external)
    private
-   public :: one_chunk, without_inertia, takes_direct, is_free, rotate_direct, rotate_by_moments, &
-      kick_direct
+   public :: one_chunk, without_inertia, takes_direct, is_free, adds_direct, momentum_columns, &
+      rotate_direct, rotate_by_moments, kick_direct
 
    integer, parameter :: without_inertia = -1
    integer, parameter :: one_chunk = 8*lanes   !! so many are never shared between threads
@@ -29,7 +31,7 @@ contains
       type(poinsot_plan), intent(in) :: plan
       integer, intent(in) :: n
       takes_direct = .false.
-      if (.not. plan%ready .or. plan%momentum /= body_momentum) return
+      if (.not. plan%ready) return
       if (plan%threads /= 1 .and. n > one_chunk) return
       if (plan%class_count() < 1) return
       associate (class => plan%classes(1)%it)
@@ -43,203 +45,157 @@ contains
       is_free = size(plan%effects) == 0 .and. .not. allocated(plan%taylor)
    end function is_free
 
+   !> Is a kick a sum in the caller's own variable?
+   pure logical function adds_direct(plan)
+      type(poinsot_plan), intent(in) :: plan
+      adds_direct = plan%momentum == merge(space_momentum, body_momentum, plan%space_torque)
+   end function adds_direct
+
+   !> Components of the caller's momentum variable.
+   pure integer function momentum_columns(plan)
+      type(poinsot_plan), intent(in) :: plan
+      momentum_columns = merge(4, 3, plan%momentum == conjugate_momentum)
+   end function momentum_columns
+
    !> `steps` steps of h. Bodies that fail keep their state.
-   subroutine rotate_direct(class, method, h, steps, n, y1, y2, y3, dy, q0, q1, q2, q3, dq, &
-                            failed, each)
-      type(body_class), intent(in) :: class           !! with inertia about every axis
+   subroutine rotate_direct(class, method, momentum, h, steps, keep, a, failed)
+      type(body_class), intent(in) :: class      !! with inertia about every axis, and no rotors
       type(free_method), intent(in) :: method
-      real(dp), intent(in) :: h                       !! finite
-      integer, intent(in) :: steps, n
-      real(dp), intent(inout) :: y1(*), y2(*), y3(*), q0(*), q1(*), q2(*), q3(*)
-      integer(c_ptrdiff_t), intent(in) :: dy, dq      !! strides
-      logical, intent(out) :: failed                  !! some did
-      integer(c_int), intent(inout), optional :: each(n) !! the status of each
-      real(dp) :: y(lanes, 3), q(lanes, 4)
+      integer, intent(in) :: momentum            !! the caller's variable
+      real(dp), intent(in) :: h                  !! finite
+      integer, intent(in) :: steps
+      logical, intent(in) :: keep                !! the momentum variable is left as it is
+      type(plain_arrays), intent(in) :: a
+      logical, intent(out) :: failed             !! some did
+      real(dp) :: y(lanes, 3), q(lanes, 4), p(lanes, 4)
       integer :: status(lanes), first, m, nvec, k
-      failed = n > 0 .and. .not. rounds_to_nearest()
-      if (failed) then
-         if (present(each)) each = poinsot_e_domain
+      call refuse_all(a, failed)
+      if (failed) return
+      if (associated(a%scale)) then
+         call rotate_scaled(class, method, momentum, h, steps, keep, a, failed)
          return
       end if
-      do first = 1, n, lanes
-         m = min(lanes, n - first + 1)
+      do k = 1, lanes ! a loop here has the compiler align the whole of them
+         y(k, 1) = 0
+         q(k, 1) = 0
+         p(k, 1) = 0
+      end do
+      do first = 1, a%n, lanes
+         m = min(lanes, a%n - first + 1)
          nvec = (m + group - 1)/group
-         call load(m, nvec, first, y1, y2, y3, dy, q0, q1, q2, q3, dq, y, q)
-         status(:group*nvec) = poinsot_ok
-         call reject(nvec, 3, [class%limit, 0.0_dp], y, q, status)
+         status = poinsot_ok
+         if (momentum == body_momentum) then
+            call load(a, first, m, nvec, y, q)
+            call reject(nvec, 3, [class%limit, 0.0_dp], y, q, status)
+         else
+            call load(a, first, m, nvec, p, q)
+            call make_native(class, momentum, a%columns, nvec, p, q, y, status)
+         end if
          do k = 1, steps
             call advance(method, class, h, y, q, status, nvec=nvec)
          end do
-         call store(m, nvec, first, y, q, status, y1, y2, y3, dy, q0, q1, q2, q3, dq, failed, each)
+         if (momentum == body_momentum) then
+            call store(a, first, m, nvec, y, q, status, .false., .false., failed)
+         else
+            if (.not. keep) call from_native(momentum, .false., class, class%rotor, y, q, p, nvec=nvec)
+            call store(a, first, m, nvec, p, q, status, keep, .false., failed)
+         end if
       end do
    end subroutine rotate_direct
 
+   !> A thread that does not round to nearest computes nothing.
+   subroutine refuse_all(a, failed)
+      type(plain_arrays), intent(in) :: a
+      logical, intent(out) :: failed
+      failed = a%n > 0 .and. .not. rounds_to_nearest()
+      if (failed .and. associated(a%each)) a%each = poinsot_e_domain
+   end subroutine refuse_all
+
+   !> The caller's momentum variable, checked, and y.
+   pure subroutine make_native(class, momentum, columns, nvec, p, q, y, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: momentum, columns, nvec
+      real(dp), intent(inout) :: p(lanes, 4), q(lanes, 4), y(lanes, 3)
+      integer, intent(inout) :: status(lanes)
+      real(dp), parameter :: none = huge(1.0_dp)
+      call reject(nvec, columns, [none, none, none, none], p, q, status)
+      call to_native(momentum, .false., class, class%rotor, p, y, q, nvec=nvec)
+      call reject_speed(class, y, status, nvec)
+   end subroutine make_native
+
    !> Bodies of one kind in rows, by constants for each lane: no class is made. Not for bodies with
    !> an axis without inertia.
-   subroutine rotate_by_moments(moments, by_jacobi, h, steps, n, y, q, failed, refused, each)
+   subroutine rotate_by_moments(moments, by_jacobi, h, steps, a, failed, refused)
       real(dp), intent(in) :: moments(3)
-      logical, intent(in) :: by_jacobi                !! method `jacobi`, else `exact`
-      real(dp), intent(in) :: h                       !! finite
-      integer, intent(in) :: steps, n
-      real(dp), intent(inout) :: y(3, n), q(4, n)
+      logical, intent(in) :: by_jacobi           !! method `jacobi`, else `exact`
+      real(dp), intent(in) :: h                  !! finite
+      integer, intent(in) :: steps
+      type(plain_arrays), intent(in) :: a        !! angular momenta, body frame
       logical, intent(out) :: failed
-      integer, intent(out) :: refused                 !! status of the moments, or without_inertia
-      integer(c_int), intent(inout), optional :: each(n)
+      integer, intent(out) :: refused            !! status of the moments, or without_inertia
       type(lane_moments) :: own
-      real(dp) :: yb(lanes, 3), qb(lanes, 4), hl(lanes)
-      integer :: status(lanes), first, m, nvec, k
-      failed = n > 0 .and. .not. rounds_to_nearest()
+      real(dp) :: y(lanes, 3), q(lanes, 4), hl(lanes)
+      integer :: status(lanes), first, m, nvec, k, most
       refused = poinsot_ok
-      if (failed) then
-         if (present(each)) each = poinsot_e_domain
-         return
-      end if
+      call refuse_all(a, failed)
+      if (failed) return
       status = poinsot_ok
-      call take_moments(spread(moments, 1, lanes), max(1, min(lanes, n + group - 1)/group), own, &
-                        status)
+      most = max(1, min(lanes, a%n + group - 1)/group)
+      call take_moments(spread(moments, 1, lanes), most, own, status)
       refused = status(1)
       if (refused == poinsot_ok .and. own%linear) refused = without_inertia
       if (refused /= poinsot_ok) return
-      call make_constants(max(1, min(lanes, n + group - 1)/group), own%moments, own%constants)
+      call make_constants(most, own%moments, own%constants)
       hl = h
-      do first = 1, n, lanes
-         m = min(lanes, n - first + 1)
+      do first = 1, a%n, lanes
+         m = min(lanes, a%n - first + 1)
          nvec = (m + group - 1)/group
-         call load(m, nvec, first, y(1, 1), y(2, 1), y(3, 1), 3_c_ptrdiff_t, q(1, 1), q(2, 1), &
-                   q(3, 1), q(4, 1), 4_c_ptrdiff_t, yb, qb)
+         call load(a, first, m, nvec, y, q)
          status(:group*nvec) = poinsot_ok
-         call reject(nvec, 3, [own%limit(1, :), 0.0_dp], yb, qb, status)
+         call reject(nvec, 3, [own%limit(1, :), 0.0_dp], y, q, status)
          do k = 1, steps
-            call advance_each(own%constants, by_jacobi, hl, yb, qb, status, nvec)
+            call advance_each(own%constants, by_jacobi, hl, y, q, status, nvec)
          end do
-         call store(m, nvec, first, yb, qb, status, y(1, 1), y(2, 1), y(3, 1), 3_c_ptrdiff_t, &
-                    q(1, 1), q(2, 1), q(3, 1), q(4, 1), 4_c_ptrdiff_t, failed, each)
+         call store(a, first, m, nvec, y, q, status, .false., .false., failed)
       end do
    end subroutine rotate_by_moments
 
-   !> y += h g. A torque, or a sum, that is no number fails its body.
-   subroutine kick_direct(class, h, n, g1, g2, g3, dg, y1, y2, y3, dy, q0, q1, q2, q3, dq, failed, &
-                          each)
-      type(body_class), intent(in) :: class           !! with inertia about every axis
-      real(dp), intent(in) :: h                       !! finite
-      integer, intent(in) :: n
-      real(dp), intent(in) :: g1(*), g2(*), g3(*)     !! torques, body frame
-      real(dp), intent(inout) :: y1(*), y2(*), y3(*)
-      real(dp), intent(in) :: q0(*), q1(*), q2(*), q3(*)
-      integer(c_ptrdiff_t), intent(in) :: dg, dy, dq  !! strides
+   !> p += h g in the caller's variable. A torque, or a sum, that is no number fails its body.
+   subroutine kick_direct(class, momentum, h, g, a, failed)
+      type(body_class), intent(in) :: class      !! with inertia about every axis, and no rotors
+      integer, intent(in) :: momentum            !! the caller's variable
+      real(dp), intent(in) :: h                  !! finite
+      type(plain_torques), intent(in) :: g       !! in the frame of the momenta
+      type(plain_arrays), intent(in) :: a
       logical, intent(out) :: failed
-      integer(c_int), intent(inout), optional :: each(n)
-      real(dp) :: y(lanes, 3), q(lanes, 4), g(lanes, 3)
-      integer(c_ptrdiff_t) :: at
+      real(dp) :: y(lanes, 3), p(lanes, 4), q(lanes, 4), torque(lanes, 3)
       integer :: status(lanes), first, m, nvec, l
-      failed = n > 0 .and. .not. rounds_to_nearest()
-      if (failed) then
-         if (present(each)) each = poinsot_e_domain
+      call refuse_all(a, failed)
+      if (failed) return
+      if (associated(a%scale)) then
+         call kick_scaled(class, momentum, h, g, a, failed)
          return
       end if
-      do first = 1, n, lanes
-         m = min(lanes, n - first + 1)
+      do l = 1, lanes ! aligned, as in rotate_direct
+         q(l, 1) = 0
+         p(l, 1) = 0
+         torque(l, 1) = 0
+      end do
+      do first = 1, a%n, lanes
+         m = min(lanes, a%n - first + 1)
          nvec = (m + group - 1)/group
-         call load(m, nvec, first, y1, y2, y3, dy, q0, q1, q2, q3, dq, y, q)
-         g(:group*nvec, :) = 0
-         at = 1 + (first - 1)*dg
-         do l = 1, m
-            g(l, 1) = g1(at)
-            g(l, 2) = g2(at)
-            g(l, 3) = g3(at)
-            at = at + dg
-         end do
-         status(:group*nvec) = poinsot_ok
-         call reject(nvec, 3, [class%limit, 0.0_dp], y, q, status)
-         call reject_torques(nvec, h, g, status)
-         call add_products(nvec, h, g, y, status)
-         at = 1 + (first - 1)*dy
-         do l = 1, m
-            if (status(l) == poinsot_ok) then
-               y1(at) = y(l, 1)
-               y2(at) = y(l, 2)
-               y3(at) = y(l, 3)
-            end if
-            at = at + dy
-         end do
-         if (present(each)) each(first:first + m - 1) = status(:m)
-         failed = failed .or. any_failed(status, nvec)
+         status = poinsot_ok
+         call load_torques(g, first, m, nvec, torque)
+         call load(a, first, m, nvec, p, q)
+         if (momentum == body_momentum) then
+            call reject(nvec, 3, [class%limit, 0.0_dp], p, q, status)
+         else
+            call make_native(class, momentum, a%columns, nvec, p, q, y, status)
+         end if
+         call reject_torques(nvec, h, torque, status)
+         call add_products(nvec, h, torque, p, status)
+         call store(a, first, m, nvec, p, q, status, .false., .true., failed)
       end do
    end subroutine kick_direct
-
-   !> Bodies from `first` on into the first m lanes; the rest of the last group is at rest.
-   pure subroutine load(m, nvec, first, y1, y2, y3, dy, q0, q1, q2, q3, dq, y, q)
-      integer, intent(in) :: m, nvec, first
-      real(dp), intent(in) :: y1(*), y2(*), y3(*), q0(*), q1(*), q2(*), q3(*)
-      integer(c_ptrdiff_t), intent(in) :: dy, dq
-      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
-      integer(c_ptrdiff_t) :: at
-      integer :: l
-      at = 1 + (first - 1)*dy
-      do l = 1, m
-         y(l, 1) = y1(at)
-         y(l, 2) = y2(at)
-         y(l, 3) = y3(at)
-         at = at + dy
-      end do
-      at = 1 + (first - 1)*dq
-      do l = 1, m
-         q(l, 1) = q0(at)
-         q(l, 2) = q1(at)
-         q(l, 3) = q2(at)
-         q(l, 4) = q3(at)
-         at = at + dq
-      end do
-      do l = m + 1, group*nvec
-         y(l, :) = 0
-         q(l, :) = [1, 0, 0, 0]
-      end do
-   end subroutine load
-
-   !> And back, but for those that failed.
-   pure subroutine store(m, nvec, first, y, q, status, y1, y2, y3, dy, q0, q1, q2, q3, dq, failed, &
-                         each)
-      integer, intent(in) :: m, nvec, first
-      real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
-      integer, intent(in) :: status(lanes)
-      real(dp), intent(inout) :: y1(*), y2(*), y3(*), q0(*), q1(*), q2(*), q3(*)
-      integer(c_ptrdiff_t), intent(in) :: dy, dq
-      logical, intent(inout) :: failed
-      integer(c_int), intent(inout), optional :: each(*)
-      integer(c_ptrdiff_t) :: at
-      integer :: l
-      if (present(each)) each(first:first + m - 1) = status(:m)
-      if (any_failed(status, nvec)) then
-         failed = .true.
-         do l = 1, m
-            if (status(l) /= poinsot_ok) cycle
-            at = 1 + (first + l - 2)*dy
-            y1(at) = y(l, 1)
-            y2(at) = y(l, 2)
-            y3(at) = y(l, 3)
-            at = 1 + (first + l - 2)*dq
-            q0(at) = q(l, 1)
-            q1(at) = q(l, 2)
-            q2(at) = q(l, 3)
-            q3(at) = q(l, 4)
-         end do
-         return
-      end if
-      at = 1 + (first - 1)*dy
-      do l = 1, m
-         y1(at) = y(l, 1)
-         y2(at) = y(l, 2)
-         y3(at) = y(l, 3)
-         at = at + dy
-      end do
-      at = 1 + (first - 1)*dq
-      do l = 1, m
-         q0(at) = q(l, 1)
-         q1(at) = q(l, 2)
-         q2(at) = q(l, 3)
-         q3(at) = q(l, 4)
-         at = at + dq
-      end do
-   end subroutine store
 
 end module poinsot_ensemble_direct

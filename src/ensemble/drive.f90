@@ -5,6 +5,7 @@
 !> serial.
 module poinsot_ensemble_drive
    use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_lanes, only: any_failed
    use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_partial
    use poinsot_body_class, only: body_class
@@ -150,7 +151,9 @@ contains
          else
             call store_block(host, job%keep_momentum, job%keep_attitude, b)
          end if
-         failed = failed .or. any(b%status(1:n) /= poinsot_ok) ! padding may fail: it has noise too
+         if (any_failed(b%status)) then ! padding may fail: it has noise too
+            failed = failed .or. any(b%status(1:n) /= poinsot_ok)
+         end if
       end do
    end subroutine run_chunk
 

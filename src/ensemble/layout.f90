@@ -4,7 +4,7 @@
 !> Native: angular momentum y in the principal frame, attitude q from the principal frame to space.
 !> See docs on conventions.
 module poinsot_ensemble_layout
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_body_class, only: body_class
    use poinsot_free_lane_moments, only: lane_moments
    implicit none(type, external)
@@ -34,25 +34,28 @@ contains
 
    !> p, the caller's momentum variable, and q, from the caller's body frame -> y and q of the
    !> principal frame. A velocity is I^-1 (y - s), s the momentum of the class's rotors.
-   pure subroutine to_native(momentum, turned, class, rotor, p, y, q, own)
+   pure subroutine to_native(momentum, turned, class, rotor, p, y, q, own, nvec)
       integer, intent(in) :: momentum            !! one of the five variables
       logical, intent(in) :: turned              !! the caller's body frame is class%axes, not the
                                                  !! principal one
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: rotor(3)           !! s, at this time
       real(dp), intent(in) :: p(lanes, 4)
-      real(dp), intent(out) :: y(lanes, 3)
+      real(dp), intent(inout) :: y(lanes, 3)
       real(dp), intent(inout) :: q(lanes, 4)
       type(lane_moments), intent(in), optional :: own !! moments that are not those of the class
+      integer, intent(in), optional :: nvec      !! groups of lanes to work on, instead of all
       real(dp) :: s(lanes, 4)
-      integer :: l, j
+      integer :: l, j, n
+      n = lanes
+      if (present(nvec)) n = group*nvec
       select case (momentum)
       case (space_momentum, space_velocity)
-         y = p(:, 1:3)
-         call rotate_back(q, y)
+         y(:n, :) = p(:n, 1:3)
+         call rotate_back(n, q, y)
       case (conjugate_momentum)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, n
             y(l, 1) = 0.5_dp*(q(l, 1)*p(l, 2) - q(l, 2)*p(l, 1) - (q(l, 3)*p(l, 4) - q(l, 4)*p(l, &
                3)))
             y(l, 2) = 0.5_dp*(q(l, 1)*p(l, 3) - q(l, 3)*p(l, 1) - (q(l, 4)*p(l, 2) - q(l, 2)*p(l, &
@@ -61,72 +64,75 @@ contains
                2)))
          end do
       case default
-         y = p(:, 1:3)
+         y(:n, :) = p(:n, 1:3)
       end select
       if (turned) then
          s = spread(class%axes, 1, lanes)
-         call rotate_back(s, y)
-         call times(q, class%axes)
+         call rotate_back(n, s, y)
+         call times(n, q, class%axes)
       end if
       if (momentum == body_velocity .or. momentum == space_velocity) then
          do j = 1, 3
             if (present(own)) then
-               y(:, j) = y(:, j)*own%moments(:, j)
+               y(:n, j) = y(:n, j)*own%moments(:n, j)
             else
-               y(:, j) = y(:, j)*class%moments(j)
+               y(:n, j) = y(:n, j)*class%moments(j)
             end if
-            if (class%has_rotor) y(:, j) = y(:, j) + rotor(j)
+            if (class%has_rotor) y(:n, j) = y(:n, j) + rotor(j)
          end do
       end if
    end subroutine to_native
 
    !> The way back: y and q of the principal frame -> p and q of the caller.
-   pure subroutine from_native(momentum, turned, class, rotor, y, q, p, own)
+   pure subroutine from_native(momentum, turned, class, rotor, y, q, p, own, nvec)
       integer, intent(in) :: momentum
       logical, intent(in) :: turned
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: rotor(3)           !! s, at this time
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: q(lanes, 4)
-      real(dp), intent(out) :: p(lanes, 4)
+      real(dp), intent(inout) :: p(lanes, 4)
       type(lane_moments), intent(in), optional :: own
+      integer, intent(in), optional :: nvec      !! groups of lanes to work on, instead of all
       real(dp) :: s(lanes, 4), v(lanes, 3), back(4)
-      integer :: l, j
+      integer :: l, j, n
 
-      v = y
+      n = lanes
+      if (present(nvec)) n = group*nvec
+      v(:n, :) = y(:n, :)
       if (momentum == body_velocity .or. momentum == space_velocity) then
          do j = 1, 3
-            if (class%has_rotor) v(:, j) = v(:, j) - rotor(j)
+            if (class%has_rotor) v(:n, j) = v(:n, j) - rotor(j)
             if (present(own)) then
-               v(:, j) = v(:, j)*own%inverse(:, j)
+               v(:n, j) = v(:n, j)*own%inverse(:n, j)
             else
-               v(:, j) = v(:, j)*class%inverse(j)
+               v(:n, j) = v(:n, j)*class%inverse(j)
             end if
          end do
       end if
       if (turned) then
          back = [class%axes(1), -class%axes(2:4)]
          s = spread(back, 1, lanes)
-         call rotate_back(s, v)
-         call times(q, back)
+         call rotate_back(n, s, v)
+         call times(n, q, back)
       end if
-      p(:, 4) = 0
+      p(:n, 4) = 0
       select case (momentum)
       case (space_momentum, space_velocity)
-         s = q
-         s(:, 2:4) = -q(:, 2:4)
-         call rotate_back(s, v)
-         p(:, 1:3) = v
+         s(:n, 1) = q(:n, 1)
+         s(:n, 2:4) = -q(:n, 2:4)
+         call rotate_back(n, s, v)
+         p(:n, 1:3) = v(:n, :)
       case (conjugate_momentum)
          !GCC$ ivdep
-         do l = 1, lanes
+         do l = 1, n
             p(l, 1) = -2*(q(l, 2)*v(l, 1) + q(l, 3)*v(l, 2) + q(l, 4)*v(l, 3))
             p(l, 2) = 2*(q(l, 1)*v(l, 1) + q(l, 3)*v(l, 3) - q(l, 4)*v(l, 2))
             p(l, 3) = 2*(q(l, 1)*v(l, 2) + q(l, 4)*v(l, 1) - q(l, 2)*v(l, 3))
             p(l, 4) = 2*(q(l, 1)*v(l, 3) + q(l, 2)*v(l, 2) - q(l, 3)*v(l, 1))
          end do
       case default
-         p(:, 1:3) = v
+         p(:n, 1:3) = v(:n, :)
       end select
    end subroutine from_native
 
@@ -138,20 +144,21 @@ contains
       real(dp), intent(in) :: q(lanes, 4)        !! attitude of the principal frame
       real(dp), intent(inout) :: v(lanes, 3)
       if (space) then
-         call rotate_back(q, v)
+         call rotate_back(lanes, q, v)
       else if (turned) then
-         call rotate_back(spread(class%axes, 1, lanes), v)
+         call rotate_back(lanes, spread(class%axes, 1, lanes), v)
       end if
    end subroutine turn_to_body
 
    !> v = Q^T v, lane by lane.
-   pure subroutine rotate_back(q, v)
+   pure subroutine rotate_back(n, q, v)
+      integer, intent(in) :: n                   !! lanes, whole groups
       real(dp), intent(in) :: q(lanes, 4)
       real(dp), intent(inout) :: v(lanes, 3)
       real(dp) :: t1, t2, t3, v1, v2, v3
       integer :: l
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, n
          v1 = v(l, 1)
          v2 = v(l, 2)
          v3 = v(l, 3)
@@ -165,13 +172,14 @@ contains
    end subroutine rotate_back
 
    !> q = q o a, lane by lane.
-   pure subroutine times(q, a)
+   pure subroutine times(n, q, a)
+      integer, intent(in) :: n
       real(dp), intent(inout) :: q(lanes, 4)
       real(dp), intent(in) :: a(4)
       real(dp) :: q1, q2, q3, q4
       integer :: l
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, n
          q1 = q(l, 1)
          q2 = q(l, 2)
          q3 = q(l, 3)

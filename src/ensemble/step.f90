@@ -3,14 +3,18 @@
 module poinsot_ensemble_step
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_size
    use poinsot_effect_effect, only: flow_effect
    use poinsot_ensemble_block, only: clock, add_momentum, reject_torques
    use poinsot_ensemble_bodies, only: body_view, column
    use poinsot_ensemble_check, only: check_ready, check_moments, to_drift, to_kick, to_step
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
+   use poinsot_ensemble_direct, only: adds_direct, is_free, kick_direct, momentum_columns, &
+      rotate_direct, takes_direct
    use poinsot_ensemble_drive, only: block_job, for_each_block
-   use poinsot_ensemble_layout, only: body_momentum, space_momentum, turn_to_body
+   use poinsot_ensemble_layout, only: space_momentum, turn_to_body
+   use poinsot_ensemble_plain, only: open_plain_torques, open_plain_view, plain_arrays, &
+      plain_torques
    use poinsot_ensemble_compose, only: attach_plan, scheme_of
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_rotate, only: check_step
@@ -61,17 +65,38 @@ contains
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
       type(drift_job) :: job
+      logical :: done
       call check_ready(plan, view, error)
       if (.not. raised(error)) call check_moments(plan, view, to_drift, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       status = error%code
       if (raised(error)) return
+      call rotate_plain(plan, view, h, 1, plan%momentum == space_momentum, status, done)
+      if (done) return
       job%plan => plan
       job%h = h
       job%keep_momentum = plan%momentum == space_momentum
       job%ns = plan%method%ns
       status = for_each_block(view, plan%threads, job)
    end subroutine drift_bodies
+
+   !> Free steps by the short way, if plan and view ask for no more.
+   subroutine rotate_plain(plan, view, h, steps, keep, status, done)
+      type(poinsot_plan), intent(in) :: plan
+      type(body_view), intent(in) :: view
+      real(dp), intent(in) :: h
+      integer, intent(in) :: steps
+      logical, intent(in) :: keep                     !! the momentum variable is left as it is
+      integer, intent(inout) :: status
+      logical, intent(out) :: done                    !! else it is for others
+      type(plain_arrays) :: a
+      logical :: failed
+      done = takes_direct(plan, view%n)
+      if (done) call open_plain_view(view, momentum_columns(plan), a, done)
+      if (.not. done) return
+      call rotate_direct(plan%classes(1)%it, plan%method, plan%momentum, h, steps, keep, a, failed)
+      status = merge(poinsot_e_partial, poinsot_ok, failed)
+   end subroutine rotate_plain
 
    !> Kick all bodies: y += h torque, in the body or in the space frame as the plan says.
    subroutine kick_bodies(plan, view, h, torque, status, error)
@@ -82,19 +107,41 @@ contains
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
       type(kick_job) :: job
+      logical :: done
       call check_ready(plan, view, error)
       if (.not. raised(error)) call check_moments(plan, view, to_kick, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       status = error%code
       if (raised(error)) return
+      call kick_plain(plan, view, h, torque, status, done)
+      if (done) return
       job%plan => plan
       job%view = view
       job%torque = torque
-      job%same_frame = plan%momentum == merge(space_momentum, body_momentum, plan%space_torque)
+      job%same_frame = adds_direct(plan)
       job%h = h
       job%keep_attitude = .true.
       status = for_each_block(view, plan%threads, job)
    end subroutine kick_bodies
+
+   !> A kick by the short way, if plan, view and torques ask for no more.
+   subroutine kick_plain(plan, view, h, torque, status, done)
+      type(poinsot_plan), intent(in) :: plan
+      type(body_view), intent(in) :: view
+      real(dp), intent(in) :: h
+      type(column), intent(in) :: torque(3)
+      integer, intent(inout) :: status
+      logical, intent(out) :: done                    !! else it is for others
+      type(plain_arrays) :: a
+      type(plain_torques) :: g
+      logical :: failed
+      done = takes_direct(plan, view%n) .and. adds_direct(plan)
+      if (done) call open_plain_view(view, momentum_columns(plan), a, done)
+      if (done) call open_plain_torques(view%n, torque, g, done)
+      if (.not. done) return
+      call kick_direct(plan%classes(1)%it, plan%momentum, h, g, a, failed)
+      status = merge(poinsot_e_partial, poinsot_ok, failed)
+   end subroutine kick_plain
 
    !> Steps number first to first + steps - 1 of length h; step k starts at t + k h. Effects of the
    !> plan act, and the callback's torques, if there is one. Ten steps in one call are ten calls, to
@@ -108,6 +155,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       class(torque_callback), intent(inout), optional :: callback
       type(step_job) :: job
+      logical :: done
 
       call check_ready(plan, view, error)
       if (.not. raised(error)) call check_moments(plan, view, to_step, error)
@@ -117,6 +165,10 @@ contains
       if (.not. raised(error) .and. h < 0) call check_direction(plan, error)
       status = error%code
       if (raised(error)) return
+      if (.not. present(callback) .and. steps <= huge(0) .and. is_free(plan)) then
+         call rotate_plain(plan, view, h, int(steps), .false., status, done)
+         if (done) return
+      end if
       if (plan%coupled .or. present(callback)) then
          call run_coupled(plan, view, t, h, first, steps, status, error, callback)
          return

@@ -7,7 +7,7 @@ module poinsot_ensemble_transfer
    use poinsot_ensemble_bodies, only: column
    implicit none(type, external)
    private
-   public :: arrays, find_layout, copy_in, copy_out
+   public :: arrays, find_layout, copy_in, copy_out, rows_in_3, rows_in_4, rows_out_3, rows_out_4
 
    integer, parameter :: bytes = storage_size(1.0_dp)/8
 

@@ -47,6 +47,7 @@ contains
       type(lane_moments), intent(inout) :: own
       integer, intent(inout) :: status(lanes)
       integer(i8) :: least, most, bits, outside, spread
+      real(dp) :: reciprocal(lanes)
       integer :: j, l
       least = lowest_scale(class)
       most = highest_scale(class)
@@ -72,10 +73,13 @@ contains
       own%scaled = .true.
       own%wide = spread > near
       own%linear = class%sorted(1) <= 0
+      do l = 1, lanes
+         reciprocal(l) = 1/own%scale(l)  ! one division, and a rounding more for velocities
+      end do
       do j = 1, 3
          do l = 1, lanes
             own%moments(l, j) = class%moments(j)*own%scale(l)
-            own%inverse(l, j) = class%inverse(j)/own%scale(l)
+            own%inverse(l, j) = class%inverse(j)*reciprocal(l)
          end do
       end do
       call set_limits(own)

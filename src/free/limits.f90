@@ -11,21 +11,24 @@ contains
 
    !> Lanes that turn faster than 1e70, or whose momentum is no number (what a kick can do), get
    !> POINSOT_E_DOMAIN and stand still with y = 0.
-   pure subroutine reject_speed(class, y, status)
+   pure subroutine reject_speed(class, y, status, nvec)
       type(body_class), intent(in) :: class !! of these bodies
       real(dp), intent(inout) :: y(lanes, 3)
       integer, intent(inout) :: status(lanes)
+      integer, intent(in), optional :: nvec !! groups of lanes to look at, instead of all
       integer(i8) :: limit(3), excess
-      integer :: l
+      integer :: l, n
+      n = lanes
+      if (present(nvec)) n = group*nvec
       limit = magnitude(class%limit)
       excess = -1
       !GCC$ ivdep
-      do l = 1, lanes
+      do l = 1, n
          excess = max(excess, magnitude(y(l, 1)) - limit(1), magnitude(y(l, 2)) - limit(2), &
                       magnitude(y(l, 3)) - limit(3))
       end do
       if (excess <= 0) return
-      do l = 1, lanes
+      do l = 1, n
          if (all(magnitude(y(l, :)) <= limit)) cycle
          if (status(l) == poinsot_ok) status(l) = poinsot_e_domain
          y(l, :) = 0
