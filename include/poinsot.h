@@ -316,7 +316,8 @@ poinsot_status poinsot_plan_class_axes(const poinsot_plan *plan, int number, dou
  *   "momentum"   or one by one: "body-momentum", "space-momentum", "body-velocity", "space-velocity", "conjugate-momentum"
  *   "frame"      of the torques of poinsot_kick and of a callback: "body" or "space"
  *   "threads"    "1" (default) to "4096", or "0": as OpenMP says (OMP_NUM_THREADS, omp_set_num_threads). A team starts where each
- *                thread gets 0.2 ms of work; on a machine whose cores are busy that can cost a slice of the scheduler, 12 to 80 ms
+ *                thread gets 0.2 ms of work; on a machine whose cores are busy that can cost a slice of the scheduler, 12 to 80 ms,
+ *                whatever the work: docs/performance.md has a table
  *   "seed"       of random numbers, a 64-bit integer
  *   "tolerance"  of the splitting "taylor", relative: 1e-15 to 1e-2 ("1e-12")
  *   "physical"   "yes", or "no": classes added from then on may have any moments that are zero or positive, of whatever sum

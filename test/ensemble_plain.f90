@@ -1,5 +1,5 @@
-!> The short way for plain views gives what the long way does, to the bit and to the status: the long
-!> way is taken where classes are named.
+!> The short way for plain views gives what the long way does, to the bit and to the status: the
+!> long way is taken where classes are named.
 module test_ensemble_plain
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
    use testdrive, only: unittest_type, new_unittest, error_type

@@ -14,7 +14,7 @@ module test_properties
    use poinsot_study_hard_rows, only: find_row, hard_row, measure_rows, verdict_words
    use poinsot_study_hard_cases, only: cases_of_kind
    use poinsot_study_hard_tops, only: top_names
-   use poinsot_study_hard_kinds, only: hard_result, judge_kind
+   use poinsot_study_hard_kinds, only: approaches, hard_result, judge_kind
    use poinsot_study_hard_cases, only: hard_case, kind_names, cases_of_kind, make_case
    use poinsot_study_properties, only: method_properties, measure_method, holds
    use poinsot_study_taylor, only: judge_flow => taylor_flow, judge_conditioning => conditioning
@@ -258,7 +258,7 @@ contains
       type(poinsot_error) :: refusal
       real(dp) :: units
       integer :: kind, number, m
-      allocate (results(method_count(), 2))
+      allocate (results(method_count(), approaches))
       do kind = 1, size(kind_names)
          do number = 1, cases_of_kind
             call make_case(kind, number, one)
@@ -276,7 +276,8 @@ contains
          do m = 1, method_count()
             call find_method(method_name(m), method, refusal)
             if (method%order > 0) cycle
-            call expect(error, all(results(m, :)%answered == cases_of_kind), &
+            call expect(error, all(results(m, 1:2)%answered == cases_of_kind) .and. &
+               all(results(m, 3:)%answered == 2*cases_of_kind), &
                method_name(m)//" refuses on "//kind_names(kind))
             units = max(results(m, 1)%y, results(m, 1)%q)
             call expect(error, units < 5, "units on "//trim(kind_names(kind))//": "// &

@@ -1,6 +1,7 @@
-!> The short way for what hosts do most: free rotation and kicks of bodies of one class, where a call
-!> brings nothing but y, q, statuses and scales. The kernels, the turning of momenta and the checks are those
-!> of all ways, and so are the bits; what is left out are views, sorting, and the tables of effects.
+!> The short way for what hosts do most: free rotation and kicks of bodies of one class, where a
+!> call brings nothing but y, q, statuses and scales. The kernels, the turning of momenta and the
+!> checks are those of all ways, and so are the bits; what is left out are views, sorting, and the
+!> tables of effects.
 module poinsot_ensemble_direct
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_rounding, only: rounds_to_nearest
@@ -97,7 +98,8 @@ contains
          if (momentum == body_momentum) then
             call store(a, first, m, nvec, y, q, status, .false., .false., failed)
          else
-            if (.not. keep) call from_native(momentum, .false., class, class%rotor, y, q, p, nvec=nvec)
+            if (.not. keep) call from_native(momentum, .false., class, class%rotor, y, q, p, &
+               nvec=nvec)
             call store(a, first, m, nvec, p, q, status, keep, .false., failed)
          end if
       end do

@@ -23,7 +23,7 @@ module poinsot_ensemble_plain
       integer(c_ptrdiff_t) :: dy, dq            !! strides
       logical :: y_rows, q_rows                 !! they are rows without gaps
       integer(c_int), pointer, contiguous :: each(:) !! status of each body, or not associated
-      real(dp), pointer, contiguous :: scale(:) !! moments over those of the class, or not associated
+      real(dp), pointer, contiguous :: scale(:) !! moments over the class's, or none
    end type plain_arrays
 
    !> Torques of a kick.
