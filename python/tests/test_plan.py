@@ -95,7 +95,15 @@ def test_exceptions_in_a_torque_propagate(failure):
     assert (y == wanted[0]).all() and (q == wanted[1]).all()
 
 
-def test_ctrl_c_during_steps():
+@pytest.fixture
+def interrupts():
+    """Ctrl-C raises, also where the tests run in the background of a script, whose programs ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_during_steps(interrupts):
     """It stops the steps, and the program's own handler is back."""
     before = signal.getsignal(signal.SIGINT)
     plan = top()
@@ -110,7 +118,7 @@ def test_ctrl_c_during_steps():
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_a_timer_interrupts_steps():
+def test_a_timer_interrupts_steps(interrupts):
     """Ctrl-C while the library computes: the next Python code would be the callback's first line."""
     plan = poinsot.Plan(threads=1)
     plan.add_class([1, 2, 2.5])
