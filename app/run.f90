@@ -14,7 +14,7 @@ module app_run
    use poinsot_scene_folder, only: folder_lock, lock_folder
    use poinsot_scene_run, only: run_scene, check_scene
    use poinsot_scene_pictures, only: picture_names
-   use poinsot_scene_summary, only: run_report, class_words
+   use poinsot_scene_summary, only: run_report, brief_number, class_words
    use poinsot_study_auto, only: resolve_auto
    use app_arguments, only: word, word_list, option_value, is_option, append_word
    use app_codes, only: exit_ok, exit_tolerance, exit_runtime, exit_usage, exit_of_run
@@ -237,6 +237,7 @@ contains
       type(poinsot_error) :: error
       character(16), allocatable :: names(:) !! of pictures
       character(:), allocatable :: out
+      logical :: beyond
       out = options%out
       if (len(out) == 0) out = "poinsot-out/" // scene%name
       if (options%view) call find_template(scene%output%page, options%quiet)
@@ -265,14 +266,19 @@ contains
          code = exit_runtime
          return
       end if
+      beyond = len(scene%chosen_fails) > 0 .or. report%beyond
       if (present(ranks)) then
+         beyond = ranks%broadcast(merge(1_i8, 0_i8, beyond)) > 0 ! the first rank knows
+         if (beyond) code = exit_tolerance
          if (ranks%number > 0) return
       end if
       if (.not. options%quiet) call show_file(out // "/summary.txt")
       call picture_names(scene, names)
       call draw_pictures(names, out, options%quiet, scripts_only=.not. options%pictures)
       if (.not. options%quiet) call say("written to " // out)
-      if (len(scene%chosen_fails) == 0) return
+      if (.not. beyond) return
+      if (len(scene%chosen_fails) == 0) scene%chosen_fails = "off by " // &
+         brief_number(max(report%error_y, 2*report%error_q)) // " from " // report%reference
       call print_error("auto: the end is not within tol = " // text_of(scene%tol) // ": " // &
          scene%chosen_fails)
       code = exit_tolerance

@@ -10,7 +10,7 @@ module test_random_scenes
    use poinsot_scene_text, only: text_of
    implicit none(type, external)
    private
-   public :: random_scene, scene_from
+   public :: random_scene, harder_scene, scene_from
 
 contains
 
@@ -40,6 +40,44 @@ contains
       text = text // bodies(k) // break // effects(k) // outputs(k, t_end)
       call scene_from(text, "random-" // text_of(k) // ".nml", scene, error)
    end subroutine random_scene
+
+   !> The k-th of the scenes that are hard to promise for, and its text: in turn long motions of
+   !> tops off their axes, most of them chaotic; many bodies, up to 20000; tops with friction.
+   subroutine harder_scene(k, scene, text, error)
+      integer, intent(in) :: k
+      type(scene_settings), intent(out) :: scene
+      character(:), allocatable, intent(out) :: text
+      type(poinsot_error), intent(inout) :: error
+      character(*), parameter :: break = new_line("a")
+      real(dp) :: t_end, part(3), moments(3)
+      character(:), allocatable :: group
+      integer :: digits
+      part = 0.1_dp + [draw(k, 10), draw(k, 11), draw(k, 12)]
+      moments = (sum(part) - part)/maxval(sum(part) - part)
+      group = "&bodies moments = " // text_of(moments)
+      digits = 3 + int(8*draw(k, 2))
+      select case (mod(k, 3))
+      case (0)
+         t_end = 40*8**draw(k, 1)
+         digits = min(digits, 8)
+         group = group // ", y = " // vector(k, 14, 1.0_dp) // " /" // break // &
+            "&gravity centre = " // vector(k, 21, 0.3_dp + draw(k, 24)) // " /"
+      case (1)
+         t_end = 2*6**draw(k, 1)
+         group = group // ", count = " // text_of(nint(1000*20**draw(k, 17))) // &
+            ", random = 'thermal', temperature = 0.5 /" // break // "&gravity centre = " // &
+            vector(k, 21, draw(k, 24)) // " /"
+      case default
+         t_end = 4*10**draw(k, 1)
+         group = group // ", count = " // text_of(nint(10*draw(k, 17)) + 1) // &
+            ", random = 'thermal', temperature = 1 /" // break // "&gravity centre = " // &
+            vector(k, 21, draw(k, 24)) // " /" // break // "&drag friction = " // &
+            text_of(0.5_dp*draw(k, 33)**2) // " /"
+      end select
+      text = "&scene t_end = " // text_of(t_end) // ", method = 'auto', tol = " // &
+         text_of(10.0_dp**(-digits)) // ", seed = " // text_of(k) // " /" // break // group // break
+      call scene_from(text, "harder-" // text_of(k) // ".nml", scene, error)
+   end subroutine harder_scene
 
    !> The j-th number of scene k, in (0, 1).
    real(dp) function draw(k, j)

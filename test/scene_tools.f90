@@ -1,5 +1,7 @@
 !> What tests of scenes share: scenes from text, runs into folders of the test output, whole files.
 module test_scene_tools
+   use testdrive, only: error_type, skip_test
+   use test_expectation, only: expect
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_build, only: build_scene
@@ -13,7 +15,8 @@ module test_scene_tools
    use poinsot_scene_watch, only: run_watch
    implicit none(type, external)
    private
-   public :: output, nl, empty_folder, put_text, get_text, make_scene, run_text, run_made, column
+   public :: output, nl, empty_folder, put_text, get_text, make_scene, run_text, run_made, column, &
+      ask_app
 
    character, parameter :: nl = achar(10)
    character(*), parameter :: output = "build/test-output/"
@@ -149,5 +152,26 @@ contains
       end if
       if (present(report)) report = here
    end subroutine run_text
+
+   !> What the program named by POINSOT_APP prints, its exit code in the last line.
+   subroutine ask_app(arguments, got, error)
+      character(*), intent(in) :: arguments
+      character(:), allocatable, intent(out) :: got
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: asked = "build/test-asked.txt"
+      character(:), allocatable :: app
+      integer :: length, state, code
+      call get_environment_variable("POINSOT_APP", length=length)
+      if (length == 0) then
+         call skip_test(error, "POINSOT_APP does not name the program")
+         return
+      end if
+      allocate (character(length) :: app)
+      call get_environment_variable("POINSOT_APP", app)
+      call execute_command_line("{ '" // app // "' " // arguments // "; echo exit $?; } >" // &
+                                asked // " 2>&1", exitstat=state, cmdstat=code)
+      call expect(error, code == 0 .and. state == 0, "no shell to run the program")
+      call get_text(asked, got)
+   end subroutine ask_app
 
 end module test_scene_tools

@@ -17,7 +17,7 @@ module test_choose
    use poinsot_study_auto, only: resolve_auto
    use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, plan_splitting, any_name
    use poinsot_study_choose, only: choose_request, choice, choose_method, prepare_task, &
-      chosen_scene, tolerance_kept, motion_chaotic
+      chosen_scene, best_of, tolerance_kept, motion_chaotic, time_ran_out
    use poinsot_study_choose_text, only: verdict
    use poinsot_study_clock, only: limit_in
    use poinsot_study_errors, only: compare_states
@@ -29,8 +29,10 @@ module test_choose
    use poinsot_study_timing, only: time_steps
    use poinsot_study_trial, only: make_plan, set_tolerance
    use poinsot_ensemble_plan, only: poinsot_plan
+   use poinsot_taylor_settings, only: least_tolerance
    use test_expectation, only: expect
-   use test_random_scenes, only: random_scene, scene_from
+   use test_scene_tools, only: ask_app, get_text
+   use test_random_scenes, only: random_scene, harder_scene, scene_from
    use test_study, only: open_scene, as_it_is
    implicit none(type, external)
    private
@@ -52,7 +54,10 @@ contains
          new_unittest("every body of many is within the tolerance", many_bodies), &
          new_unittest("several kinds of body", several_kinds), &
          new_unittest("a chaotic motion is called so", chaotic_motion), &
+         new_unittest("a chaotic motion over a long time", long_chaos), &
          new_unittest("friction: a Taylor series where splittings have order 2", friction_choice), &
+         new_unittest("of equal times the most accurate", ties), &
+         new_unittest("command line: settings, exit codes", exit_codes), &
          new_unittest("choice among names", named_choice), &
          new_unittest("a tolerance beyond reach is refused", beyond_reach), &
          new_unittest("auto: settled once, a restart goes on with it", auto_settled), &
@@ -148,6 +153,64 @@ contains
       call expect(error, answer%growth%holds > 20 .and. answer%growth%holds < 200 .and. &
          answer%growth%fold > 2 .and. answer%growth%fold < 50, verdict(scene, 1e-12_dp, answer))
    end subroutine chaotic_motion
+
+   !> So long that errors are full grown in a hundredth of the time, and that the time is short: it
+   !> is called chaotic all the same, at once, whatever else could be tried.
+   subroutine long_chaos(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(choice) :: answer
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      call choose_for("&scene t_end = 20000, h = 0.01 /" // new_line("a") // &
+         "&bodies moments = 1, 2, 2.5, omega = 0.5, 0.2, 1.0, " // &
+         "q = 0.9, 0.435889894354067, 0, 0 /" // new_line("a") // &
+         "&gravity centre = 0.3, 0.2, 1, weight = 1 /" // new_line("a") // &
+         "&output every = 5 /", 1e-6_dp, any_name, scene, answer, failure)
+      call expect(error, .not. raised(failure) .and. answer%ended == motion_chaotic .and. &
+         answer%late == 0, verdict(scene, 1e-6_dp, answer))
+      if (allocated(error)) return
+      call expect(error, answer%growth%holds > 100 .and. answer%growth%holds < 500 .and. &
+         answer%growth%fold > 2 .and. answer%growth%fold < 50, verdict(scene, 1e-6_dp, answer))
+   end subroutine long_chaos
+
+   !> Of those within 10 % of the least time the most accurate; a dearer one never.
+   subroutine ties(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(contender) :: four(4)
+      real(dp) :: cost_of(4)
+      four%error = [3.6e-12_dp, 4.5e-15_dp, 1e-13_dp, 1e-16_dp]
+      cost_of = [1.0_dp, 1.09_dp, 1.02_dp, 1.12_dp]
+      call expect(error, best_of(four, cost_of), 2)
+      cost_of(2) = 1.11_dp
+      call expect(error, best_of(four, cost_of), 3)
+      cost_of(3) = 1e100_dp ! does not meet the tolerance
+      call expect(error, best_of(four, cost_of), 1)
+   end subroutine ties
+
+   !> 0 with what --set said in the scene written; 4 where nothing keeps the tolerance, and where a
+   !> run under `auto` does not.
+   subroutine exit_codes(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: got, text
+      character(*), parameter :: out = " --out build/test-choose.nml"
+      call ask_app("choose heavy-top --tol 1e-4 --methods exact --splittings taylor --quiet " &
+         // "--set gravity.centre=0,0,0.75" // out, got, error)
+      if (allocated(error)) return
+      call expect(error, got, "exit 0" // new_line("a"))
+      call get_text("build/test-choose.nml", text)
+      call expect(error, index(text, "centre = 0,0,0.75") > 0 .and. &
+         index(text, "'taylor'") > 0, text)
+      call ask_app("choose heavy-top --tol 1e-14 --methods exact --splittings strang --budget 1s" &
+         // out, got, error)
+      if (allocated(error)) return
+      call expect(error, index(got, "comes nearest, with an error of ") > 0 .and. &
+         index(got, "exit 4") > 0, got)
+      call ask_app("run heavy-top --no-view --no-pictures --quiet --out build/test-choose-run " // &
+         "--set scene.splitting=auto --set scene.method=dmv2 --set scene.tol=1e-14", got, error)
+      if (allocated(error)) return
+      call expect(error, index(got, "auto: the end is not within tol = 1e-14: ") > 0 .and. &
+         index(got, "exit 4") > 0, got)
+   end subroutine exit_codes
 
    !> Of one to five kinds: a plan has room for more classes than it has.
    subroutine several_kinds(error)
@@ -343,36 +406,32 @@ contains
       call expect(error, 2*met >= size(quick_scenes), "most scenes get a method")
    end subroutine small_promise
 
-   !> The two figures of the promise: it is kept in 95 of 100 scenes, and the choice takes at most
-   !> 1.5 times as long as the best of an exhaustive search. A scene where nothing meets the
-   !> tolerance, and which says so, is replaced by the next.
+   !> The two figures of the promise: it is kept in 97 of 100 scenes, and in 95 the choice takes at
+   !> most 1.3 times as long as the best of an exhaustive search. Every other scene is one of the
+   !> hard ones. A refusal keeps the promise where `taylor` at its finest is beyond the tolerance.
    subroutine large_promise(error)
       type(error_type), allocatable, intent(out) :: error
       real(dp) :: ratio, ratios(many_scenes)
-      integer :: k, n, good
+      integer :: n, good
       logical :: kept, told
       character(:), allocatable :: line
-      n = 0
       good = 0
-      k = 0
-      do while (n < many_scenes)
-         k = k + 1
-         call one_scene(k, 5.0_dp, .true., kept, told, ratio, line)
-         write (output_unit, "(a)") line
-         flush (output_unit)
-         if (told) cycle
-         n = n + 1
+      do n = 1, many_scenes
+         call one_scene(n, 20.0_dp, .true., kept, told, ratio, line)
          ratios(n) = ratio
-         if (kept) good = good + 1
+         if (kept .or. told) good = good + 1
+         write (output_unit, "(2(i0, a), a)") good, " of ", n, ": ", line
+         flush (output_unit)
       end do
+      n = many_scenes
       write (output_unit, "(a, i0, a, i0, a, f0.2, a, f0.2, a, i0, a)") "promise kept in ", good, &
          " of ", n, &
          " scenes; time against the best: median ", median(ratios), ", largest ", maxval(ratios), &
-            "; within 1.5 in ", &
-         count(ratios <= 1.5_dp), ""
-      call expect(error, good >= 95, "promise kept in fewer than 95 of 100")
-      call expect(error, count(ratios <= 1.5_dp) >= 95, &
-         "beyond 1.5 times the best in more than 5 of 100")
+            "; within 1.3 in ", &
+         count(ratios <= 1.3_dp), ""
+      call expect(error, good >= 97, "promise kept in fewer than 97 of 100")
+      call expect(error, count(ratios <= 1.3_dp) >= 95, &
+         "beyond 1.3 times the best in more than 5 of 100")
    end subroutine large_promise
 
    !> Choose for a random scene, run it, compare all its bodies with a reference of its own.
@@ -381,7 +440,7 @@ contains
       real(dp), intent(in) :: budget
       logical, intent(in) :: exhaustive
       logical, intent(out) :: kept                !! the error is within the tolerance
-      logical, intent(out) :: told                !! nothing meets it, and the choice said so
+      logical, intent(out) :: told                !! nothing meets it, as the choice said
       real(dp), intent(out) :: ratio              !! time against the best found
       character(:), allocatable, intent(out) :: line
       type(scene_settings) :: scene, done
@@ -394,7 +453,11 @@ contains
       kept = .false.
       told = .false.
       ratio = 1
-      call random_scene(k, scene, text, failure)
+      if (exhaustive .and. mod(k, 2) == 0) then
+         call harder_scene(k/2, scene, text, failure)
+      else
+         call random_scene(k, scene, text, failure)
+      end if
       line = "scene " // text_of(k) // ": "
       request%tol = scene%tol
       request%budget = budget
@@ -406,8 +469,19 @@ contains
          return
       end if
       if (answer%ended /= tolerance_kept) then
-         told = .true.
+         told = answer%ended /= time_ran_out
          line = line // verdict(scene, request%tol, answer)
+         if (told .and. exhaustive) then
+            done = scene
+            done%method = "exact"
+            done%splitting = "taylor"
+            done%tolerance = least_tolerance
+            done%h = scene%t_end
+            call true_error(done, off, failure)
+            told = raised(failure) .or. off > scene%tol
+            line = line // "; at its finest taylor has " // text_of(real(real(off), dp))
+         end if
+         if (exhaustive .and. .not. told) line = line // "  BROKEN" // new_line("a") // text
          return
       end if
       done = chosen_scene(scene, answer%best)

@@ -1,8 +1,9 @@
 !> Room scene: reader, key tables, checks of values, schedule, files, restart, and whole runs.
 module test_scene
-   use testdrive, only: new_unittest, unittest_type, error_type, skip_test
+   use testdrive, only: new_unittest, unittest_type, error_type
    use test_expectation, only: expect
    use test_scene_endings, only: collect_scene_endings
+   use test_scene_tools, only: ask_app
    use test_scene_files, only: collect_scene_files
    use test_scene_beginnings, only: collect_scene_beginnings
    use test_scene_groups, only: collect_scene_groups
@@ -822,25 +823,5 @@ contains
       call expect(error, len(tables) > 1000 .and. index(page, tables) > 0, &
                  "docs/scenes.md does not hold what `poinsot keys` prints now:" // nl // tables)
    end subroutine test_keys
-
-   !> What the program named by POINSOT_APP prints, its exit code in the last line.
-   subroutine ask_app(arguments, got, error)
-      character(*), intent(in) :: arguments
-      character(:), allocatable, intent(out) :: got
-      type(error_type), allocatable, intent(out) :: error
-      character(:), allocatable :: app
-      integer :: length, state, code
-      call get_environment_variable("POINSOT_APP", length=length)
-      if (length == 0) then
-         call skip_test(error, "POINSOT_APP does not name the program")
-         return
-      end if
-      allocate (character(length) :: app)
-      call get_environment_variable("POINSOT_APP", app)
-      call execute_command_line("{ '" // app // "' " // arguments // "; echo exit $?; } >" // &
-                                output // "/golden.txt 2>&1", exitstat=state, cmdstat=code)
-      call expect(error, code == 0 .and. state == 0, "no shell to run the program")
-      call slurp(output // "/golden.txt", got)
-   end subroutine ask_app
 
 end module test_scene

@@ -7,6 +7,7 @@ module test_scene_endings
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_summary, only: run_report
    implicit none(type, external)
    private
    public :: collect_scene_endings
@@ -24,6 +25,7 @@ contains
          new_unittest("columns-of-a-gyrostat", test_gyrostat), &
          new_unittest("numpy-array", test_npy), &
          new_unittest("observables-of-all-bodies", test_observables), &
+         new_unittest("end-compared", test_compared), &
          new_unittest("columns-refused", test_refused)]
    end subroutine collect_scene_endings
 
@@ -36,6 +38,43 @@ contains
       call run_made(scene, folder, failure)
       if (raised(failure)) call expect(error, .false., failure%message)
    end subroutine run_text
+
+   !> The end beside a better run: all bodies of a small run, some of a large one; what `auto` chose
+   !> is held to its tolerance.
+   subroutine test_compared(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: top = "&gravity centre=0,0,1 /" // nl
+      character(*), parameter :: many = "&bodies moments=1,1.2,1.5 count=1500 " // &
+         "random='thermal' temperature=1 /" // nl
+      type(run_report) :: report
+      call compared("&bodies moments=1,1.2,1.5 y=1,2,3 /" // nl // top, "strang", 1e-8_dp, report)
+      call expect(error, report%reference, "the same scene with 'exact' and a quarter of the step")
+      call expect(error, report%error_y > 1e-6_dp .and. report%beyond, "strang is not within 1e-8")
+      call compared("&bodies moments=1,1.2,1.5 y=1,2,3 /" // nl // top, "strang", 0.1_dp, report)
+      call expect(error, .not. report%beyond, "strang is within .1")
+      call compared(many // top, "taylor", 1e-4_dp, report)
+      call expect(error, report%reference, &
+         "the same scene with tolerance = 1e-15, of 64 of 1500 bodies")
+      call expect(error, report%error_y < 1e-10_dp .and. report%error_q < 1e-10_dp .and. .not. &
+         report%beyond, "taylor at 1e-12")
+      call compared(many, "srkn6", 1e-4_dp, report)
+      call expect(error, report%reference, "'jacobi' in one stride, of 64 of 1500 bodies")
+      call expect(error, report%error_y < 1e-13_dp .and. report%error_q < 1e-13_dp, "exact")
+   end subroutine test_compared
+
+   subroutine compared(text, splitting, tol, report)
+      character(*), intent(in) :: text, splitting
+      real(dp), intent(in) :: tol
+      type(run_report), intent(out) :: report
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      call make_scene(run // text, scene, failure)
+      scene%splitting = splitting
+      scene%chosen = "as if by auto"
+      scene%tol = tol
+      call run_made(scene, "compared", failure, report)
+      if (raised(failure)) report%reference = failure%message
+   end subroutine compared
 
    !> 2 T = omega.y, the tilt is the second Euler angle, Q y stays.
    subroutine test_columns(error)

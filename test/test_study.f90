@@ -19,6 +19,7 @@ module test_study
    use poinsot_study_cost_point, only: cost_point, digest, frontier, cheapest, middle, worst, &
       of_angle, of_both
    use poinsot_study_cost_curves, only: find_curve
+   use poinsot_study_cost_files, only: write_points
    use poinsot_study_efficient, only: frontier_part, frontier_parts
    use poinsot_study_errors, only: attitude_error, body_errors
    use poinsot_study_members, only: member_set, draw_members, any_direction
@@ -26,6 +27,7 @@ module test_study
    use poinsot_study_rivals, only: rival_point, read_rivals, rival_names, rival_time
    use poinsot_study_statistics, only: median, quantile, line_slope
    use test_expectation, only: expect
+   use test_scene_tools, only: get_text
    implicit none(type, external)
    private
    public :: collect_study, open_scene, as_it_is
@@ -48,6 +50,8 @@ contains
          new_unittest("candidates of a scene with a thermostat", noisy_candidates), &
          new_unittest("cost of a free body: orders and floors", free_cost), &
          new_unittest("cost of a top: orders, against the published state", top_cost), &
+         new_unittest("cost of a top with taylor: errors follow tolerances", taylor_cost), &
+         new_unittest("cost: what was not measured is empty", empty_fields), &
          new_unittest("cost: unknown names are refused", unknown_names), &
          new_unittest("frontier and its names", names_of_frontier), &
          new_unittest("rivals from files", rivals_read), &
@@ -268,6 +272,71 @@ contains
       call measure_order(study, 3, slope)
       call expect(error, abs(slope - 6) < 0.4_dp, "omelyan6 has order 6")
    end subroutine top_cost
+
+   !> `taylor` stands there by its tolerances, down to rounding, each within twenty times its own.
+   subroutine taylor_cost(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(cost_study) :: study
+      integer :: i
+      call small_study("heavy-top", [character(24) :: "exact"], [character(24) :: "taylor"], &
+         study, error)
+      if (allocated(error)) return
+      call expect(error, size(study%points) == 27 .and. study%late == 0, "two a decade")
+      do i = 1, size(study%points)
+         if (allocated(error)) return
+         associate (p => study%points(i))
+            call expect(error, p%good .and. p%steps == 1, "one call from start to end")
+            call expect(error, abs(p%tolerance/(1e-2_dp*sqrt(0.1_dp)**(i - 1)) - 1) < 1e-6_dp, &
+               "the tolerances")
+            call expect(error, p%angle(middle) < 20*p%tolerance + 3e-15_dp, "the error it makes")
+         end associate
+      end do
+      call expect(error, study%points(27)%angle(middle) < 3e-15_dp, "down to rounding")
+   end subroutine taylor_cost
+
+   !> Times that nobody took and all numbers of a failed run are empty in cost.csv, never 0.
+   subroutine empty_fields(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(cost_study) :: study
+      type(poinsot_error) :: failure
+      character(:), allocatable :: text, line
+      integer :: i, at
+      call small_study("heavy-top", [character(24) :: "exact"], [character(24) :: "taylor"], &
+         study, error)
+      if (allocated(error)) return
+      study%points(2)%good = .false.
+      study%points(3)%repeats = 1
+      study%points(3)%ns = 5
+      call write_points("build/test-cost.csv", study, failure)
+      call expect(error, .not. raised(failure), failure%message)
+      call get_text("build/test-cost.csv", text)
+      do i = 1, 4
+         at = index(text, new_line("a"))
+         line = text(:at - 1)
+         text = text(at + 1:)
+         if (i == 1) call expect(error, field(line, 19) == "ns_per_step" .and. field(line, 27) == &
+            "good" .and. field(line, 32) == "tolerance", "columns")
+         if (i == 2) call expect(error, field(line, 18) /= "" .and. field(line, 19) == "" .and. &
+            field(line, 26) == "" .and. field(line, 27) == "1", "no time: " // line)
+         if (i == 3) call expect(error, field(line, 7) == "" .and. field(line, 18) == "" .and. &
+            field(line, 26) == "" .and. field(line, 27) == "0", "failed: " // line)
+         if (i == 4) call expect(error, field(line, 19) == "5.0000E+000" .and. &
+            field(line, 32) == "1.0000E-003", "timed: " // line)
+      end do
+   end subroutine empty_fields
+
+   !> The k-th field of a line of CSV.
+   pure function field(line, k) result(text)
+      character(*), intent(in) :: line
+      integer, intent(in) :: k
+      character(:), allocatable :: text
+      integer :: i
+      text = line // ","
+      do i = 2, k
+         text = text(index(text, ",") + 1:)
+      end do
+      text = text(:index(text, ",") - 1)
+   end function field
 
    !> A study without times: it depends on no clock but the budget, which is ample.
    subroutine small_study(name, methods, splittings, study, error)

@@ -403,7 +403,7 @@ contains
       type(poinsot_error) :: problem
       type(torque_problem), allocatable :: problems(:)
       real(dp), allocatable :: y0(:, :), q0(:, :)
-      real(qp) :: y(3), q(4), yr(3), qr(4)
+      real(qp) :: t, y(3), q(4), yr(3), qr(4)
       logical :: done
       call states(1, y0, q0)
       call taylor_plan(body, effects, 1e-12_dp, plan, problem)
@@ -415,15 +415,19 @@ contains
       yr = y
       qr = q
       call long_reference(effects, body, 0.0_dp, 3.0_dp, yr, qr)
-      call turn_under_torque(problems(1), fine, 0.0_qp, 3.0_qp, 1000, y, q, done)
+      t = 0
+      call turn_under_torque(problems(1), fine, t, 3.0_qp, 1000, y, q, done)
       call expect(error, norm2(y - yr) < 1e-18_qp*norm2(yr) .and. &
          norm2(q - sign(1.0_qp, dot_product(q, qr))*qr) < 1e-18_qp, &
          what//": another motion than by Gragg's rule")
-      call turn_under_torque(problems(1), fine, 3.0_qp, 0.0_qp, 1000, y, q, done)
+      call turn_under_torque(problems(1), fine, t, 0.0_qp, 1000, y, q, done)
       call expect(error, done .and. norm2(y - y0(:, 1)) < 1e-19_qp*norm2(y), &
          what//": no way back")
-      call turn_under_torque(problems(1), fine, 0.0_qp, 3.0_qp, 2, y, q, done)
-      call expect(error, .not. done, what//": more steps than allowed")
+      call turn_under_torque(problems(1), fine, t, 3.0_qp, 2, y, q, done)
+      call expect(error, .not. done .and. t > 0 .and. t < 3, what//": more steps than allowed")
+      call turn_under_torque(problems(1), fine, t, 3.0_qp, 1000, y, q, done)
+      call expect(error, done .and. norm2(y - yr) < 1e-18_qp*norm2(yr), &
+         what//": it does not go on from where it stopped")
    end subroutine judge_series
 
    !> The published tops, every row; the first to all its digits.
@@ -434,7 +438,7 @@ contains
       type(poinsot_plan) :: plan
       type(poinsot_error) :: problem
       character(200) :: text
-      real(qp) :: y(3), q(4), off, allowed
+      real(qp) :: t, y(3), q(4), off, allowed
       integer :: i, number
       logical :: done
       call read_top(tops)
@@ -451,7 +455,8 @@ contains
             call torque_problems(plan, problems, problem)
             y = top%y
             q = top%q
-            call turn_under_torque(problems(1), fine, 0.0_qp, real(top%t, qp), 1000, y, q, &
+            t = 0
+            call turn_under_torque(problems(1), fine, t, real(top%t, qp), 1000, y, q, &
                done)
             off = max(norm2(y - top%y_end)/norm2(top%y_end), norm2(q - sign(1.0_qp, &
                dot_product(q, top%q_end))*top%q_end))

@@ -112,7 +112,11 @@ contains
          report%reason = "asked to stop"
       else
          report%state = "complete"
-         if (ranks%number == 0) call compare_end(scene, whole, report)
+         if (ranks%number == 0 .and. whole%n > 0) then
+            call compare_end(scene, whole, report)
+         else if (ranks%number == 0) then
+            call compare_end(scene, run%states, report)
+         end if
       end if
       call clear(closing)
       if (.not. raised(error)) call save_restart(scene, out, run, report, closing)

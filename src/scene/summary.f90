@@ -34,6 +34,7 @@ module poinsot_scene_summary
       type(drift_watch) :: drift
       character(:), allocatable :: reference  !! what the end was compared with; "" = not compared
       real(dp) :: error_y = 0, error_q = 0    !! largest differences from it
+      logical :: beyond = .false.             !! of what `auto` chose: they are beyond `tol`
    end type run_report
 
 contains
@@ -247,6 +248,8 @@ contains
          call put(file, "error at the end, against " // report%reference, error)
          call row(file, "  y, over |y|", brief_number(report%error_y), error)
          call row(file, "  q", brief_number(report%error_q), error)
+         if (len(scene%chosen) > 0) call row(file, "  tol of auto", brief_number(scene%tol) // &
+            trim(merge(" is NOT KEPT", " is kept    ", report%beyond)), error)
          call put(file, "", error)
       end if
       call put(file, "state at the end, body frame" // trim(merge(" (the first few)", &

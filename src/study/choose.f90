@@ -19,9 +19,10 @@ module poinsot_study_choose
    use poinsot_study_statistics, only: median
    use poinsot_study_timing, only: time_steps
    use poinsot_study_trial, only: make_plan, trial_run, run_trial
+   use poinsot_taylor_settings, only: least_tolerance
    implicit none(type, external)
    private
-   public :: choose_request, choice, chosen, choose_method, prepare_task, chosen_scene
+   public :: choose_request, choice, chosen, choose_method, prepare_task, chosen_scene, best_of
 
    !> What is asked.
    type :: choose_request
@@ -108,14 +109,16 @@ contains
       if (raised(error)) return
       again = .false.
       do round = 1, most_rounds
-         call search(all, limit, watch)
-         if (all_failed(all%contenders)) exit
+         call search(all, limit, watch, answer%growth)
+         if (all_failed(all%contenders) .or. answer%growth%chaotic) exit
          call time_finalists(scene, all, part_of(limit, 0.5_dp), answer)
          call test_choice(request, limit, watch, all, answer, again, error)
          if (raised(error)) return
          if (.not. again) exit
       end do
-      if (again .or. all_failed(all%contenders)) call explain(scene, request, all, limit, answer)
+      if (again .or. answer%growth%chaotic .or. all_failed(all%contenders)) then
+         call explain(scene, request, all, limit, answer)
+      end if
       answer%candidates = count(all%contenders%best_multiple > 0)
       answer%late = count(all%contenders%late .and. all%contenders%met == 0)
       answer%seconds = processor_seconds() - begun
@@ -126,18 +129,38 @@ contains
       all_failed = all(contenders%met == 0)
    end function all_failed
 
-   !> Those first that are the best in most scenes: whoever comes after them is soon too dear.
-   subroutine search(all, limit, watch)
+   !> Those first that are the best in most scenes: whoever comes after them is soon too dear. Where
+   !> errors outgrow the tolerance nobody else is tried.
+   subroutine search(all, limit, watch, growth)
       type(trials), intent(inout) :: all
       type(time_limit), intent(in) :: limit
       class(run_watch), intent(inout) :: watch
+      type(error_growth), intent(inout) :: growth
       logical :: wanted(size(all%list))
+      integer :: i
       wanted = all%contenders%running
-      all%contenders%running = wanted .and. all%list%method == "exact"
+      all%contenders%running = wanted .and. all%list%adaptive
+      call search_steps(all%task, all%contenders, usual_slack, part_of(limit, 0.5_dp), watch)
+      if (.not. growth%known .and. all%series .and. (all%task%growth > 1 .or. &
+          any(out_of_hand(all%contenders, all%task%tol)))) then
+         call find_growth(all%quiet, all%task%members, [(i, i=1, min(4, all%task%members%given))], &
+            all%task%tol, part_of(limit, 0.25_dp), growth)
+         if (growth%chaotic) return
+      end if
+      all%contenders%running = wanted .and. all%list%method == "exact" .and. &
+         .not. all%list%adaptive
       call search_steps(all%task, all%contenders, usual_slack, part_of(limit, 0.5_dp), watch)
       all%contenders%running = wanted .and. all%list%method /= "exact"
       call search_steps(all%task, all%contenders, usual_slack, part_of(limit, 0.4_dp), watch)
    end subroutine search
+
+   !> At its finest `taylor` is so far from the tolerance that no smaller rounding would do.
+   elemental logical function out_of_hand(one, tol)
+      type(contender), intent(in) :: one
+      real(dp), intent(in) :: tol
+      out_of_hand = one%adaptive .and. one%met == 0 .and. one%plan%tolerance <= &
+         1.01_dp*least_tolerance .and. one%best_error > 10*tol
+   end function out_of_hand
 
    !> Reference, candidates, and the number of steps they must come in: as a test of all candidates
    !> needs them.
@@ -533,10 +556,13 @@ contains
       if (any(all%contenders%late)) answer%ended = time_ran_out
       if (any(all%contenders%adaptive .and. all%contenders%best_tolerance > 0)) then
          answer%ended = out_of_reach ! at its finest, what torques as data allow
-         call find_growth(all%quiet, all%task%members, [(i, i=1, min(4, &
-            all%task%members%given))], request%tol, limit, answer%growth)
-         if (answer%growth%chaotic) answer%ended = motion_chaotic
+         if (.not. answer%growth%known) call find_growth(all%quiet, all%task%members, &
+            [(i, i=1, min(4, all%task%members%given))], request%tol, limit, answer%growth)
          if (all%task%growth > 1) answer%ended = time_ran_out ! to try the whole run
+      end if
+      if (answer%growth%chaotic) answer%ended = motion_chaotic
+      if (answer%ended == motion_chaotic .and. answer%best%setup%adaptive) then
+         answer%best%tolerance = least_tolerance
       end if
    end subroutine explain
 

@@ -39,9 +39,11 @@ contains
          text_of(answer%best%tolerance) // ", which sets taylor's own steps")
       call add("step h      " // text_of(answer%best%h))
       call add("error       " // error_text(scene, answer))
-      call add("near        " // brief_number(answer%best%near) // " is the median error of " // &
-         text_of(answer%bodies) // " states, " // text_of(answer%given) // &
-         " of them the scene's own")
+      if (.not. cannot_be_predicted(scene, answer)) then
+         call add("near        " // brief_number(answer%best%near) // &
+            " is the median error of " // text_of(answer%bodies) // " states, " // &
+            text_of(answer%given) // " of them the scene's own")
+      end if
       call add("time        " // brief_number(answer%best%ns) // " ns a body-step, " // &
                brief_number(answer%best%run) // " s the run, on one thread")
       if (answer%runner_up%h > 0) then
@@ -58,7 +60,8 @@ contains
          call add("noise       is not judged: it was off in the trials, and errors of " // &
                   "averages are others; baoab samples attitudes best")
       end if
-      if (answer%t_measured < scene%t_end .and. .not. answer%checked) then
+      if (answer%t_measured < scene%t_end .and. .not. answer%checked .and. &
+          answer%ended /= motion_chaotic) then
          call add("measured    to t = " // text_of(answer%t_measured) // &
             "; errors are taken to grow in proportion to time")
       end if
@@ -84,7 +87,9 @@ contains
       type(choice), intent(in) :: answer
       character(:), allocatable :: text
       text = brief_number(answer%best%error)
-      if (answer%checked .and. answer%total == 1) then
+      if (cannot_be_predicted(scene, answer)) then
+         text = "beyond the tolerance from t = " // brief_number(answer%growth%holds) // " on"
+      else if (answer%checked .and. answer%total == 1) then
          text = text // " at the end of the whole run"
       else if (answer%checked) then
          text = text // ", the worst of all " // text_of(answer%total) // &
@@ -95,6 +100,14 @@ contains
             scene%t_end)) // "; the whole run was not checked"
       end if
    end function error_text
+
+   !> Errors that grow exponentially, beyond the time that was tried.
+   pure logical function cannot_be_predicted(scene, answer)
+      type(scene_settings), intent(in) :: scene
+      type(choice), intent(in) :: answer
+      cannot_be_predicted = answer%ended == motion_chaotic .and. .not. answer%checked .and. &
+         answer%t_measured < scene%t_end
+   end function cannot_be_predicted
 
    !> Why a tolerance is not kept.
    function verdict(scene, tol, answer) result(text)
@@ -117,8 +130,10 @@ contains
          text = "kept"
       end select
       if (answer%ended == tolerance_kept .or. .not. answer%best%h > 0) return
-      text = text // "; " // label_of(answer%best%setup) // " comes nearest, with an error of " // &
-         brief_number(answer%best%error) // " at t = " // text_of(scene%t_end)
+      text = text // "; " // label_of(answer%best%setup) // " comes nearest"
+      if (cannot_be_predicted(scene, answer)) return
+      text = text // ", with an error of " // brief_number(answer%best%error) // " at t = " // &
+         text_of(scene%t_end)
    end function verdict
 
    !> One line for a summary and for the head of a scene file.

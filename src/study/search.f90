@@ -120,7 +120,7 @@ contains
          trial%last = huge(trial%last)
          call set_tolerance(trial%plan, next)
          call try_steps(task, 1_i8, trial)
-         ratio = 0.1_dp
+         ratio = 1e-3_dp
          if (trial%last < 1) ratio = 0.7_dp*task%tol/(task%margin*max(trial%last, &
             tiny(ratio)**0.5_dp))
          if (trial%met > 0) then

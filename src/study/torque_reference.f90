@@ -11,16 +11,16 @@ module poinsot_study_torque_reference
    use poinsot_study_clock, only: time_limit, left_of
    use poinsot_study_errors, only: end_state, compare_states
    use poinsot_study_members, only: member_set
-   use poinsot_study_torque_series, only: torque_problem, torque_problems, turn_under_torque, &
-      fine, coarse
+   use poinsot_study_torque_series, only: torque_problem, series_accuracy, torque_problems, &
+      turn_under_torque, fine, coarse
    use poinsot_study_trial, only: trial_run, make_plan, set_tolerance, run_trial
    use poinsot_taylor_settings, only: least_tolerance
    implicit none(type, external)
    private
-   public :: solve_torques, solve_long
+   public :: solve_torques, solve_long, turn_in_time
 
    real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! no estimate in double is below this
-   real(dp), parameter :: a_step = 2e-4_dp              !! seconds: no step in quadruple takes less
+   integer, parameter :: between_looks = 20             !! steps, at the clock
    real(dp), parameter :: longer = 1e-5_dp !! what quadruple precision leaves of an error, at least
    integer, parameter :: spot = 4                       !! solved in quadruple precision anyway
 
@@ -109,10 +109,9 @@ contains
       type(end_state) :: one
       real(dp), allocatable :: da(:), dm(:)
       real(qp) :: y(3, 2), q(4, 2)
-      integer :: i, k, most_steps
+      integer :: i, k
       logical :: done(2)
       allocate (solved(size(at)), source=.false.)
-      most_steps = int(min(1e8_dp, max(left_of(limit), 0.0_dp)/a_step))
       !$omp parallel do schedule(dynamic, 1) private(y, q, k, done, one, da, dm)
       do i = 1, size(at)
          if (left_of(limit) < 0) cycle
@@ -121,10 +120,10 @@ contains
          q = spread(real(members%q(:, k), qp), 2, 2)
          done = .true.
          associate (problem => problems(members%group(k)))
-            call turn_under_torque(problem, fine, 0.0_qp, real(t_end, qp), most_steps, y(:, 1), &
-               q(:, 1), done(1))
-            if (i <= spot .and. done(1)) call turn_under_torque(problem, coarse, 0.0_qp, &
-               real(t_end, qp), most_steps, y(:, 2), q(:, 2), done(2))
+            call turn_in_time(problem, fine, 0.0_qp, real(t_end, qp), limit, y(:, 1), q(:, 1), &
+               done(1))
+            if (i <= spot .and. done(1)) call turn_in_time(problem, coarse, 0.0_qp, &
+               real(t_end, qp), limit, y(:, 2), q(:, 2), done(2))
          end associate
          if (.not. all(done)) cycle
          state%y(:, k) = y(:, 1)
@@ -141,6 +140,24 @@ contains
       end do
       !$omp end parallel do
    end subroutine solve_long
+
+   !> Carry (y, q) from t0 to t1 in quadruple precision. The limit is over first: `done` is false,
+   !> the state is of no use.
+   subroutine turn_in_time(problem, accuracy, t0, t1, limit, y, q, done)
+      type(torque_problem), intent(in) :: problem
+      type(series_accuracy), intent(in) :: accuracy
+      real(qp), intent(in) :: t0, t1
+      type(time_limit), intent(in) :: limit
+      real(qp), intent(inout) :: y(3), q(4)
+      logical, intent(out) :: done
+      real(qp) :: t
+      t = t0
+      done = .false.
+      do while (.not. done)
+         if (left_of(limit) < 0) return
+         call turn_under_torque(problem, accuracy, t, t1, between_looks, y, q, done)
+      end do
+   end subroutine turn_in_time
 
    function sentence(solved, all, error_of_these, error_of_all) result(text)
       integer, intent(in) :: solved, all

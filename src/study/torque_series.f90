@@ -123,24 +123,24 @@ contains
       at = size(problem%seen)
    end subroutine see
 
-   !> Carry (y, q) from t0 to t1; |q| = 1 at the end. Not finished with `most_steps` steps: `done`
-   !> is false, the state is of no use.
-   pure subroutine turn_under_torque(problem, accuracy, t0, t1, most_steps, y, q, done)
+   !> Carry (y, q) from t to t1; |q| = 1 at the end. Not finished with `most_steps` steps: `done` is
+   !> false, and the state is that of the time t reached, to go on from.
+   pure subroutine turn_under_torque(problem, accuracy, t, t1, most_steps, y, q, done)
       type(torque_problem), intent(in) :: problem
       type(series_accuracy), intent(in) :: accuracy
-      real(qp), intent(in) :: t0, t1
+      real(qp), intent(inout) :: t
+      real(qp), intent(in) :: t1
       integer, intent(in) :: most_steps
       real(qp), intent(inout) :: y(3), q(4)
       logical, intent(out) :: done
       type(all_series) :: s
-      real(qp) :: t, h, farthest
+      real(qp) :: h, farthest
       integer :: steps
       allocate (s%d(3, 0:most, size(problem%seen)))
       allocate (s%linear_wave(0:most, size(problem%linear)), &
          s%body_wave(0:most, size(problem%body)))
       q = q/norm2(q)
       where (.not. problem%inverse > 0) y = 0
-      t = t0
       steps = 0
       do while (abs(t1 - t) > 0 .and. steps < most_steps)
          steps = steps + 1

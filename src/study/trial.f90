@@ -108,7 +108,7 @@ contains
 
    !> Steps number first to first + steps - 1 of all systems. A carry that is not allocated: plain
    !> sums.
-   subroutine integrate(plan, members, h, first, steps, y, q, carry, good)
+   subroutine integrate(plan, members, h, first, steps, y, q, carry, good, start)
       type(poinsot_plan), intent(in) :: plan
       type(member_set), intent(in) :: members
       real(dp), intent(in) :: h
@@ -116,10 +116,14 @@ contains
       real(dp), intent(inout), target :: y(:, :), q(:, :)
       real(dp), intent(inout), allocatable, target :: carry(:, :)
       logical, intent(out) :: good
+      real(dp), intent(in), optional :: start    !! the time of step 0; 0 if not there
       type(body_view) :: view
       type(poinsot_error) :: error
       integer(c_int), target :: group(size(members%group))
+      real(dp) :: t0
       integer :: from, to, status
+      t0 = 0
+      if (present(start)) t0 = start
       group = members%group
       good = .true.
       from = 1
@@ -129,7 +133,7 @@ contains
          call view_rows(y(:, from:to), q(:, from:to), view)
          view%body_class => group(from:to)
          if (allocated(carry)) view%carry => carry(:, from:to)
-         call step_bodies(plan, view, 0.0_dp, h, first, steps, status, error)
+         call step_bodies(plan, view, t0, h, first, steps, status, error)
          good = good .and. status == poinsot_ok .and. .not. raised(error)
          from = to + 1
       end do
