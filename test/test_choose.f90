@@ -197,14 +197,17 @@ contains
          // "--set gravity.centre=0,0,0.75" // out, got, error)
       if (allocated(error)) return
       call expect(error, got, "exit 0" // new_line("a"))
+      if (allocated(error)) return
       call get_text("build/test-choose.nml", text)
       call expect(error, index(text, "centre = 0,0,0.75") > 0 .and. &
          index(text, "'taylor'") > 0, text)
+      if (allocated(error)) return
       call ask_app("choose heavy-top --tol 1e-14 --methods exact --splittings strang --budget 1s" &
          // out, got, error)
       if (allocated(error)) return
       call expect(error, index(got, "comes nearest, with an error of ") > 0 .and. &
          index(got, "exit 4") > 0, got)
+      if (allocated(error)) return
       call ask_app("run heavy-top --no-view --no-pictures --quiet --out build/test-choose-run " // &
          "--set scene.splitting=auto --set scene.method=dmv2 --set scene.tol=1e-14", got, error)
       if (allocated(error)) return

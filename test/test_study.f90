@@ -20,7 +20,7 @@ module test_study
       of_angle, of_both
    use poinsot_study_cost_curves, only: find_curve
    use poinsot_study_cost_files, only: write_points
-   use poinsot_study_efficient, only: frontier_part, frontier_parts
+   use poinsot_study_efficient, only: frontier_part, frontier_parts, leading_parts
    use poinsot_study_errors, only: attitude_error, body_errors
    use poinsot_study_members, only: member_set, draw_members, any_direction
    use poinsot_study_quadruple, only: turn_freely
@@ -417,6 +417,10 @@ contains
       call expect(error, size(parts) == 2, "two names")
       if (allocated(error)) return
       call expect(error, all(parts%candidate == [1, 2]), "from coarse to fine")
+      where (points%candidate == 2) points%tolerance = 1e-9_dp
+      call leading_parts(points, 3, of_angle, parts)
+      call expect(error, size(parts) > 2 .and. any(parts%candidate == 2) .and. &
+         all(points(parts(3:)%point)%tolerance <= 0), "who would lead without taylor")
    end subroutine names_of_frontier
 
    !> Two files with one line too many at their ends; the least time within a tolerance.

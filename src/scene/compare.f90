@@ -1,5 +1,5 @@
 !> How far the end of a run is from a better answer: for free bodies the other exact solution in one
-!> stride, with effects the same run at a quarter of the step with `exact`, for `taylor` at its finest.
+!> stride, with effects the same run at a quarter of the step with `exact`; `taylor` at its finest.
 module poinsot_scene_compare
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_maxima, only: larger, largest_of

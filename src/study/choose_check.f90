@@ -20,7 +20,7 @@ module poinsot_study_choose_check
    private
    public :: run_whole, error_growth, find_growth
 
-   integer, parameter :: half = 32, looks = 9*half !! at errors that grow: from 1/8192 of the time on
+   integer, parameter :: half = 32, looks = 9*half !! at errors that grow
    real(dp), parameter :: chaotic_gain = 30      !! in the second half of the time, at least
    real(dp), parameter :: full_grown = 0.1_dp    !! radians
 

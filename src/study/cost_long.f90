@@ -8,7 +8,7 @@ module poinsot_study_cost_long
    use poinsot_study_clock, only: wall_seconds
    use poinsot_study_cost_data, only: cost_request, cost_study
    use poinsot_study_cost_point, only: middle, of_both
-   use poinsot_study_efficient, only: frontier_part, frontier_parts
+   use poinsot_study_efficient, only: frontier_part, leading_parts
    use poinsot_study_energy_drift, only: drift_row, follow_energy
    implicit none(type, external)
    private
@@ -70,7 +70,7 @@ contains
          end do
          return
       end if
-      call frontier_parts(study%points, size(study%candidates), of_both, parts)
+      call leading_parts(study%points, size(study%candidates), of_both, parts)
       do k = 1, size(parts)
          if (size(at) >= 7 .or. parts(k)%point == 0) cycle
          if (.not. any(study%points(at)%candidate == parts(k)%candidate)) at = [at, parts(k)%point]

@@ -11,7 +11,7 @@ module poinsot_study_cost_plots
    use poinsot_study_cost_curves, only: find_curve
    use poinsot_study_cost_data, only: cost_study, few
    use poinsot_study_cost_point, only: middle, of_angle, of_momentum, slope_of
-   use poinsot_study_efficient, only: frontier_part, frontier_parts
+   use poinsot_study_efficient, only: frontier_part, leading_parts
    use poinsot_study_rivals, only: rival_names
    use poinsot_study_statistics, only: median
    implicit none(type, external)
@@ -103,7 +103,8 @@ contains
       end do
    end function all_labels
 
-   !> Who is on the frontier, each once, coarse to fine; and the exact rotation of a free body.
+   !> Who is on the frontier, each once, coarse to fine; the splittings that would be without
+   !> `taylor`; and the exact rotation of a free body.
    pure function front_labels(study, what) result(labels)
       type(cost_study), intent(in) :: study
       integer, intent(in) :: what                  !! of_angle, of_momentum
@@ -111,7 +112,7 @@ contains
       type(frontier_part), allocatable :: parts(:)
       character(label_length) :: label
       integer :: i
-      call frontier_parts(study%points, size(study%candidates), what, parts)
+      call leading_parts(study%points, size(study%candidates), what, parts)
       allocate (labels(0))
       do i = 1, size(parts)
          label = label_of(study%candidates(parts(i)%candidate))

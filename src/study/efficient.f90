@@ -5,7 +5,7 @@ module poinsot_study_efficient
    use poinsot_study_cost_point, only: cost_point, error_of, middle
    implicit none(type, external)
    private
-   public :: frontier_part, frontier_parts
+   public :: frontier_part, frontier_parts, leading_parts
 
    real(dp), parameter :: as_good = 1.2_dp   !! times closer than this are the same
    real(dp), parameter :: coarsest = 0.3_dp, finest = 1e-17_dp
@@ -57,6 +57,22 @@ contains
       end do
       parts = found(:n)
    end subroutine frontier_parts
+
+   !> The efficient frontier; behind it, where `taylor` is among the candidates, what it would be
+   !> without: those are what people compare with, and what energy over long times asks for.
+   pure subroutine leading_parts(points, candidates, what, parts)
+      type(cost_point), intent(in) :: points(:)
+      integer, intent(in) :: candidates, what
+      type(frontier_part), allocatable, intent(out) :: parts(:)
+      type(frontier_part), allocatable :: others(:)
+      type(cost_point) :: stepped(size(points))
+      call frontier_parts(points, candidates, what, parts)
+      if (.not. any(points%tolerance > 0)) return
+      stepped = points
+      where (points%tolerance > 0) stepped%good = .false.
+      call frontier_parts(stepped, candidates, what, others)
+      parts = [parts, others]
+   end subroutine leading_parts
 
    !> Cheapest time of every candidate at every tolerance that has points.
    pure subroutine costs(points, candidates, what, tol, cost_of)
