@@ -191,6 +191,14 @@ full() {
       --set scene.t_end=100 --set output.every=0.5 2>said
    [ $? -eq 1 ] && grep 'trajectory.npy: cannot be written to its end' said && [ -f full/trajectory.npy.part ] && ! [ -f full/trajectory.npy ]
 }
+# What `auto` chose is not within tol: the first rank says so, once; the code is that of all ranks.
+not_kept() {
+   # shellcheck disable=SC2016
+   $MPIRUN -n 3 sh -c '"$@"; echo code $?' sh "$many" run heavy-top --out kept --quiet --no-pictures --set scene.splitting=auto \
+      --set scene.method=dmv2 --set scene.tol=1e-14 >said 2>&1
+   cat said
+   [ "$(grep -c 'code 4' said)" -eq 3 ] && [ "$(grep -c 'auto: the end is not within tol' said)" -eq 1 ]
+}
 no_folder() { ranks 3 run mixed.nml --out /dev/null/folder; [ $? -ne 0 ]; }
 speaks_once() { [ "$($MPIRUN -n 3 "$many" methods | wc -l)" -eq "$("$one" methods | wc -l)" ]; }
 
@@ -208,6 +216,7 @@ if [ -x /usr/bin/time ]; then expect "memory" memory; fi
 expect "one-body" shipped heavy-top
 expect "coupled-bodies" shipped dipole-chain
 expect "auto" auto
+expect "auto-not-kept" not_kept
 expect "failure" failure
 expect "no-folder" no_folder
 expect "speaks-once" speaks_once

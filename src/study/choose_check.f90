@@ -178,6 +178,8 @@ contains
       real(dp) :: t(size(times)), e(size(times)), rate
       logical :: late(size(times))
       late = times >= 0.25_dp*times(ubound(times, 1))
+      fold = times(ubound(times, 1))/log(max(errors(ubound(errors, 1))/epsilon(fold), 2.0_dp))
+      if (count(late) < 3) return ! full grown at the first look or two
       t = times - sum(times, mask=late)/count(late)
       e = log(max(errors, 1e-17_dp))
       rate = sum(t*e, mask=late)/sum(t**2, mask=late)
