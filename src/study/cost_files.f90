@@ -161,15 +161,18 @@ contains
       type(cost_study), intent(in) :: study
       type(poinsot_error), intent(inout) :: error
       type(out_file) :: file
+      character(:), allocatable :: name
       integer :: i
       call open_out(path, file, error)
       if (raised(error)) return
-      call put(file, "method,splitting,h,t,energy_median,energy_worst", error)
+      call put(file, "method,splitting,h,t,energy_median,energy_worst,tolerance", error)
       do i = 1, size(study%drift)
          associate (r => study%drift(i), one => study%candidates(study%drift(i)%candidate))
-            call put(file, trim(one%method) // "," // trim(one%splitting) // "," // &
-                     short_text(r%h) // "," // short_text(r%t) // "," // short_text(r%median) // &
-                     "," // short_text(r%worst), error)
+            name = trim(one%method) // "," // trim(one%splitting)
+            if (one%adaptive) name = trim(one%splitting) // "," // no_splitting
+            call put(file, name // "," // short_text(r%h) // "," // short_text(r%t) // "," // &
+                     short_text(r%median) // "," // short_text(r%worst) // "," // &
+                     optional_text(r%tolerance), error)
          end associate
       end do
       call finish_out(file, error)

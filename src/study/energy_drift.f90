@@ -25,6 +25,7 @@ module poinsot_study_energy_drift
       integer :: candidate = 0
       real(dp) :: h = 0, t = 0
       real(dp) :: median = 0, worst = 0 !! over the states; largest so far, over the kinetic energy
+      real(dp) :: tolerance = 0         !! of `taylor`; 0 of others
    end type drift_row
 
 contains
@@ -79,7 +80,7 @@ contains
          call member_energies(plan, members, done*h, y, q, now)
          most = larger(most, abs(now - begin)/scale)
          n = n + 1
-         rows(n) = drift_row(number, h, done*h, median(most), largest_of(most))
+         rows(n) = drift_row(number, h, done*h, median(most), largest_of(most), tolerance)
       end do
    end subroutine follow_energy
 

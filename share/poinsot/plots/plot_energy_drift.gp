@@ -1,7 +1,7 @@
 # The error of the energy against time in long runs.
 # `gnuplot plot_energy_drift.gp`, in this folder, draws energy_drift.svg and energy_drift.png.
 load 'study.gp'
-run_name(k) = sprintf('%s, h = %.4g', label(1), column(3))
+run_name(k) = valid(7) ? sprintf('%s, tolerance = %.2g', label(1), column(7)) : sprintf('%s, h = %.4g', label(1), column(3))
 stats 'drift.csv' skip 1 using 4 name 'X' nooutput
 stats 'drift.csv' skip 1 using (larger($5, 2e-17)) name 'Y' nooutput
 left = round_down(0.9*X_min); right = round_up(1.1*X_max); bottom = round_down(0.3*larger(Y_min, 6e-17)); top = round_up(10*Y_max)
