@@ -345,7 +345,7 @@ poinsot_status poinsot_bodies_check(const poinsot_plan *plan, const poinsot_bodi
 
 /* ---- many bodies: what a host calls every step --------------------------------------------------------------------- */
 
-/* Free rotation of all bodies over h by the plan's method, with built-in wheels (gyrostats) as in poinsot_step; no other effect
+/* Free rotation of all bodies over h by the plan's method, with built-in rotors (gyrostats) as in poinsot_step; no other effect
  * of the plan acts (drag and thermostat: poinsot_dissipate). A wheel whose momentum is a table in time asks for the time, which
  * poinsot_step and poinsot_energy know: POINSOT_E_METHOD here, in poinsot_dissipate, and in poinsot_kick and poinsot_momentum where
  * the layout has velocities. */
@@ -357,7 +357,7 @@ poinsot_status poinsot_kick(const poinsot_plan *plan, const poinsot_bodies *bodi
 
 /* The flow of the plan's drag and thermostats over h >= 0, nothing else: what a host that runs its own steps calls in the middle of
  * kick h/2, drift h/2, dissipate h, drift h/2, kick h/2, which is "baoab". One set of random numbers for each (seed, id, step); with
- * step = k it is to the bit what step k of poinsot_step does there. It acts on I omega: y, less the momentum of built-in wheels.
+ * step = k it is to the bit what step k of poinsot_step does there. It acts on I omega: y, less the momentum of built-in rotors.
  * Right after it the momenta have the temperature; those at the ends of such steps are cold by O(h^2), whereas attitudes are sampled
  * best so. h < 0: POINSOT_E_DOMAIN. A plan without such an effect: POINSOT_OK, nothing changed. */
 poinsot_status poinsot_dissipate(const poinsot_plan *plan, const poinsot_bodies *bodies, double h, int64_t step);

@@ -247,8 +247,7 @@ contains
    end subroutine poinsot_plan_find_class
 
    !> Add a body class by its tensor in the caller's body frame, to which y, q, torques and the body
-   !> vectors of effects refer; poinsot_user_torque and poinsot_user_potential see it too. Other
-   !> extensions of poinsot_effect see principal frames.
+   !> vectors of effects refer; poinsot_user_torque and poinsot_user_potential see it too.
    subroutine poinsot_plan_add_class_tensor(plan, inertia, number, error)
       type(poinsot_plan), intent(inout) :: plan
       real(dp), intent(in) :: inertia(3, 3)
@@ -288,9 +287,9 @@ contains
       if (.not. raised(error)) call add_effect(plan, name, list, error)
    end subroutine add_named_effect
 
-   !> Add an effect of an own type, an extension of poinsot_user_torque or poinsot_user_potential
-   !> in a
-   !> variable `class(poinsot_effect), allocatable`. It moves into the plan.
+   !> Add an effect of the program's own type, an extension of poinsot_user_torque or
+   !> poinsot_user_potential, in a variable `class(poinsot_effect), allocatable`. It moves into the
+   !> plan. Error: POINSOT_E_METHOD for an extension of poinsot_effect alone.
    subroutine add_own_effect(plan, own, error)
       type(poinsot_plan), intent(inout) :: plan
       class(poinsot_effect), allocatable, intent(inout) :: own
@@ -305,7 +304,7 @@ contains
       if (admitted(error)) call make_ready(plan, error)
    end subroutine poinsot_plan_ready
 
-   !> Free rotation of all bodies over h, with built-in wheels (gyrostats); no other effect acts.
+   !> Free rotation of all bodies over h, with built-in rotors (gyrostats); no other effect acts.
    subroutine poinsot_drift(plan, bodies, h, error)
       type(poinsot_plan), intent(in) :: plan
       type(poinsot_bodies), intent(in) :: bodies

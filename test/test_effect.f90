@@ -149,6 +149,9 @@ contains
       call refused("gravity", [centre, number_setting("up", [0.0_dp, 0.0_dp, 0.0_dp])], d, error)
       call refused("gravity", [centre, number_setting("class", [-1.0_dp])], d, error)
       call refused("gravity", [centre, number_setting("class", [1.5_dp])], d, error)
+      call refused("gravity", [number_setting("centre", [1e200_dp, 0.0_dp, 0.0_dp]), &
+         number_setting("weight", [1e200_dp])], d, error)
+      call refused("gravity_gradient", [number_setting("rate", [1e200_dp])], d, error)
       call refused("field", [number_setting("dipole", generic_y), number_setting("strength", &
                    generic_y), text_setting("motion", "dancing")], d, error)
       call refused("field", [number_setting("dipole", generic_y), number_setting("strength", &

@@ -7,6 +7,7 @@ module test_ensemble
    use poinsot_core_status, only: poinsot_ok, poinsot_e_callback, poinsot_e_domain, &
       poinsot_e_not_unit, &
       poinsot_e_method, poinsot_e_partial, poinsot_e_size
+   use poinsot_effect_effect, only: effect
    use poinsot_effect_registry, only: effect_count, effect_name, describe_effect, &
       numbered_effects, numbered_effect, numbered_effect_count
    use poinsot_effect_settings, only: setting, effect_info
@@ -16,7 +17,7 @@ module test_ensemble
    use poinsot_ensemble_layout, only: momentum_names
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
    use poinsot_ensemble_compose, only: make_ready
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, set_option
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_ready_effect, set_option
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name, numbered_methods, &
       numbered_method, numbered_method_count
@@ -49,6 +50,10 @@ module test_ensemble
    contains
       procedure :: evaluate => evaluate_top
    end type top
+
+   !> An effect that says nothing of what it does.
+   type, extends(effect) :: idle
+   end type idle
 
 contains
 
@@ -517,6 +522,7 @@ contains
       type(poinsot_error) :: problem
       type(body_view) :: view
       type(top) :: host
+      class(effect), allocatable :: own
       real(dp), target :: y(3, 2), q(4, 2)
       integer :: status, number
       character(20), parameter :: bad(2, 7) = reshape([character(20) :: "method", "exakt", &
@@ -533,6 +539,10 @@ contains
             number == 6), &
             "accepted: "//bad(2, number))
       end do
+      allocate (idle :: own)
+      call clear(problem)
+      call add_ready_effect(plan, own, problem)
+      call expect(error, problem%code, poinsot_e_method, "an effect that does nothing")
       call clear(problem)
       call drift_bodies(plan, view, 0.1_dp, status, problem)
       call expect(error, status, poinsot_e_domain, "a plan that is not ready")

@@ -9,7 +9,7 @@
 module poinsot_body_class
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_time_table, only: time_table
+   use poinsot_core_time_table, only: time_table_list
    use poinsot_body_moments, only: accept_moments
    use poinsot_body_constants, only: lane_constants, make_constants
    use poinsot_body_series, only: max_degree, first_tabulated, degree_bound, correction_series
@@ -65,7 +65,7 @@ module poinsot_body_class
       real(dp) :: rotor_rate = 0           !! |I^-1 s|
       logical :: has_rotor = .false.
       !> rotors whose momentum changes with time: s is `rotor` and all of them (rotor_at)
-      type(time_table), allocatable :: wheels(:)
+      type(time_table_list), allocatable :: rotor_tables
    end type body_class
 
 contains
@@ -145,10 +145,12 @@ contains
       real(dp) :: rotor(3)
       integer :: i
       rotor = class%rotor
-      if (.not. allocated(class%wheels)) return
-      do i = 1, size(class%wheels)
-         rotor = rotor + class%wheels(i)%at(class%wheels(i)%seen(t, ahead))
-      end do
+      if (.not. allocated(class%rotor_tables)) return
+      associate (table => class%rotor_tables%item)
+         do i = 1, size(table)
+            rotor = rotor + table(i)%at(table(i)%seen(t, ahead))
+         end do
+      end associate
    end function rotor_at
 
    !> Keep the series that a method with more terms of it needs than every class has (`dmv12` and

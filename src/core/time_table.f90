@@ -1,10 +1,10 @@
 !> Three numbers as a table in time: linear between its times, constant beyond both ends; a time
-!> that stands twice is a jump.
+!> that is given twice is a jump.
 module poinsot_core_time_table
    use poinsot_core_kinds, only: dp
    implicit none(type, external)
    private
-   public :: time_table
+   public :: time_table, time_table_list
 
    !> The table. At a jump it has the value behind it.
    type :: time_table
@@ -15,6 +15,11 @@ module poinsot_core_time_table
       procedure :: at
       procedure :: seen
    end type time_table
+
+   !> Several tables: a component that is absent takes one address.
+   type :: time_table_list
+      type(time_table), allocatable :: item(:)
+   end type time_table_list
 
 contains
 

@@ -49,11 +49,10 @@ module poinsot_effect_effect
       procedure :: only_forward => not_only_forward
    end type flow_effect
 
-   !> A torque that couples bodies. Two passes: every block lays down what the others need
+   !> A torque that couples bodies. Two passes: every block writes what the others need
    !> (`scatter_source`, into its bodies' columns of `sources`), then every block takes its torque
-   !> from
-   !> all columns (`add_torque`). Columns are summed in the caller's body order, so that the torque
-   !> does not depend on how bodies are dealt out to blocks.
+   !> from all columns (`add_torque`). Columns are summed in the caller's body order, so that the
+   !> torque does not depend on which bodies share a block.
    type, abstract, extends(effect) :: pair_effect
    contains
       procedure(scatter_source), deferred :: scatter_source

@@ -16,7 +16,7 @@ contains
    pure function times_key() result(key)
       type(effect_key) :: key
       key = number_key("times", 1, -1, "", "time", &
-         "ascending; one that stands twice is a jump; constant beyond both ends")
+         "ascending; one given twice is a jump; constant beyond both ends")
    end function times_key
 
    !> The table, if settings have one. Errors: POINSOT_E_SIZE, POINSOT_E_DOMAIN.

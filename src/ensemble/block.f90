@@ -72,7 +72,7 @@ contains
       type(clock), intent(in) :: when
       real(dp) :: rotor(3)
       rotor = class%rotor
-      if (allocated(class%wheels)) rotor = rotor_at(class, when%t, when%ahead)
+      if (allocated(class%rotor_tables)) rotor = rotor_at(class, when%t, when%ahead)
    end function rotor_then
 
    !> Fill a block with n bodies of one class and check them.

@@ -11,7 +11,8 @@ module poinsot_ensemble_plan
    use poinsot_body_inertia, only: principal_axes, is_diagonal
    use poinsot_core_number, only: parse_integer, parse_real, number_ok
    use poinsot_rotation_conversions, only: from_matrix, to_matrix
-   use poinsot_effect_effect, only: effect, effect_item
+   use poinsot_effect_effect, only: effect, effect_item, torque_effect, flow_effect, pair_effect
+   use poinsot_effect_gyrostat, only: gyrostat
    use poinsot_effect_registry, only: make_effect
    use poinsot_effect_settings, only: setting
    use poinsot_ensemble_class_index, only: class_index, insert_class, nearest_class
@@ -332,8 +333,8 @@ contains
       if (.not. raised(error)) call add_ready_effect(plan, made, error, settings)
    end subroutine add_effect
 
-   !> Add an effect of the user's own type: an extension of torque_effect, flow_effect or
-   !> pair_effect. Or one that was made from settings already.
+   !> Add an effect of a program's own type, or one that was made from settings already.
+   !> POINSOT_E_METHOD if it is of no kind that a plan knows: it would do nothing.
    subroutine add_ready_effect(plan, made, error, settings)
       type(poinsot_plan), intent(inout) :: plan
       class(effect), allocatable, intent(inout) :: made   !! moved into the plan
@@ -341,11 +342,30 @@ contains
       type(setting), intent(in), optional :: settings(:)
       type(effect_item) :: item
       if (refused(plan, error)) return
+      if (.not. acts(made)) then
+         call raise(error, poinsot_e_method, "an effect of a program's own extends " // &
+            "poinsot_user_torque or poinsot_user_potential; this one would do nothing")
+         return
+      end if
       call move_alloc(made, item%it)
       if (present(settings)) item%settings = settings
       call grow(plan%effects, 1, error)
       if (.not. raised(error)) call move_item(item, plan%effects(size(plan%effects)))
    end subroutine add_ready_effect
+
+   !> Is an effect of a kind that acts on bodies?
+   pure logical function acts(made)
+      class(effect), intent(in) :: made
+      acts = .true.
+      select type (made)
+      class is (torque_effect)
+      class is (flow_effect)
+      class is (pair_effect)
+      class is (gyrostat)
+      class default
+         acts = .false.
+      end select
+   end function acts
 
    !> Room for more effects, or, if negative, for fewer.
    subroutine grow(effects, more, error)

@@ -9,7 +9,7 @@ module poinsot_scene_effects
    use poinsot_scene_names, only: effect_table
    use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
    use poinsot_scene_typed_group, only: typed_group, type_group, given, word_of, number_of, &
-      reject_key
+      plain, reject_key
    use poinsot_scene_table, only: read_table, file_beside
    implicit none(type, external)
    private
@@ -60,8 +60,9 @@ contains
       item%name = group%name
       item%line = group%line
       item%settings = group%settings
-      if (number_of(group, "class") > size(scene%bodies)) then
-         call reject_key(group, "class", "= " // text_of(nint(number_of(group, "class"))) // &
+      if (number_of(group, "class") > size(scene%bodies) .or. number_of(group, "class") < 0 &
+         .or. abs(number_of(group, "class") - anint(number_of(group, "class"))) > 0) then
+         call reject_key(group, "class", "= " // plain(number_of(group, "class")) // &
                        " is not the number of a &bodies group; there are " // &
                        text_of(size(scene%bodies)), error)
          return

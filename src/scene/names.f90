@@ -1,9 +1,10 @@
 !> The names a scene may use, taken from the registries: methods, splittings, effects.
 module poinsot_scene_names
+   use poinsot_core_error, only: poinsot_error, raised
    use poinsot_effect_settings, only: effect_info
    use poinsot_effect_registry, only: effect_count, describe_effect
    use poinsot_splitting_registry, only: splitting_count, splitting_name
-   use poinsot_free_method, only: method_count, method_name
+   use poinsot_free_method, only: free_method, find_method, method_count, method_name
    implicit none(type, external)
    private
    public :: method_list, splitting_list, effect_table, is_exact_method
@@ -51,7 +52,11 @@ contains
    !> Is a step of any length right to rounding with this method?
    pure logical function is_exact_method(name)
       character(*), intent(in) :: name
-      is_exact_method = name == "exact" .or. name == "jacobi"
+      type(free_method) :: method
+      type(poinsot_error) :: error
+      call find_method(name, method, error)
+      is_exact_method = .false.
+      if (.not. raised(error)) is_exact_method = method%order == 0
    end function is_exact_method
 
 end module poinsot_scene_names

@@ -149,7 +149,7 @@ contains
       real(dp) :: dy(lanes, 3), dq(lanes, 4), hl(lanes), rotor(3), rate
       rotor = self%class%rotor
       rate = self%class%rotor_rate
-      if (allocated(self%class%wheels)) then
+      if (allocated(self%class%rotor_tables)) then
          rotor = rotor_at(self%class, t, ahead)
          rate = length_of(self%class%inverse*rotor)
       end if

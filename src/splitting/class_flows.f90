@@ -43,7 +43,7 @@ contains
       class%rotor = 0
       class%rotor_rate = 0
       class%has_rotor = .false.
-      if (allocated(class%wheels)) deallocate (class%wheels)
+      if (allocated(class%rotor_tables)) deallocate (class%rotor_tables)
       do k = 1, size(acting)
          i = acting(k)
          select type (one => effects(i)%it)
@@ -78,10 +78,11 @@ contains
       most = abs(one%rotor)
       if (allocated(one%table)) most = maxval(abs(one%table%values), dim=2)
       sum_of = abs(class%rotor)
-      if (.not. allocated(class%wheels)) allocate (class%wheels(0))
-      do i = 1, size(class%wheels)
-         sum_of = sum_of + maxval(abs(class%wheels(i)%values), dim=2)
-      end do
+      if (allocated(class%rotor_tables)) then
+         do i = 1, size(class%rotor_tables%item)
+            sum_of = sum_of + maxval(abs(class%rotor_tables%item(i)%values), dim=2)
+         end do
+      end if
       if (class%sorted(1) <= 0 .and. any(most > 0)) then
          call raise(error, poinsot_e_domain, "effect 'gyrostat': a linear body, which has a " // &
             "moment of zero, holds no rotor; name another class by key 'class'")
@@ -93,25 +94,29 @@ contains
          return
       end if
       class%rotor = class%rotor + one%rotor
-      if (allocated(one%table)) call add_wheel(one%table, class%wheels)
-      if (size(class%wheels) == 0) deallocate (class%wheels)
+      if (allocated(one%table)) call add_rotor_table(one%table, class)
       class%rotor_rate = length_of(class%inverse*class%rotor)
       class%has_rotor = .true.
       if (.not. allocated(composed%weights)) call turn_composition(order, composed%weights)
    end subroutine add_rotor
 
-   !> One more wheel. (No array constructor: of structures that own arrays gfortran 12 loses some.)
-   subroutine add_wheel(wheel, wheels)
-      type(time_table), intent(in) :: wheel
-      type(time_table), allocatable, intent(inout) :: wheels(:)
+   !> One more table. (No array constructor: of structures that own arrays gfortran 12 loses some.)
+   subroutine add_rotor_table(table, class)
+      type(time_table), intent(in) :: table
+      type(body_class), intent(inout) :: class
       type(time_table), allocatable :: more(:)
-      integer :: i
-      allocate (more(size(wheels) + 1))
-      do i = 1, size(wheels)
-         more(i) = wheels(i)
+      integer :: i, n
+      if (.not. allocated(class%rotor_tables)) then
+         allocate (class%rotor_tables)
+         allocate (class%rotor_tables%item(0))
+      end if
+      n = size(class%rotor_tables%item)
+      allocate (more(n + 1))
+      do i = 1, n
+         more(i) = class%rotor_tables%item(i)
       end do
-      more(size(more)) = wheel
-      call move_alloc(more, wheels)
-   end subroutine add_wheel
+      more(n + 1) = table
+      call move_alloc(more, class%rotor_tables%item)
+   end subroutine add_rotor_table
 
 end module poinsot_splitting_class_flows

@@ -41,8 +41,8 @@ module poinsot_study_hard_promises
       promise("near-unit", 60.0_dp, "|q| off by 1e-16 to 1e-6: used as it is, the norm stays"), &
       promise("no-unit", 0.0_dp, &
          "|q| off by more, zero, infinite, not a number: refused, state kept"), &
-      promise("frame", 500.0_dp, "a top told by a tensor in another frame: the same motion"), &
-      promise("wheel", 500.0_dp, "a wheel: drift and step the same bits, Q y kept"), &
+      promise("frame", 500.0_dp, "a top given by a tensor in another frame: the same motion"), &
+      promise("wheel", 500.0_dp, "a rotor: drift and step the same bits, Q y kept"), &
       promise("slack", 0.0_dp, "few digits taken to the slack, refused beyond it")]
 
    character(9), parameter :: promise_names(*) = promises%name
