@@ -6,7 +6,7 @@ module test_effect
    use testdrive, only: new_unittest, unittest_type, error_type
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_size
-   use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_error, only: poinsot_error, raised, clear
    use poinsot_effect_effect, only: effect
    use poinsot_effect_field, only: field
    use poinsot_effect_torque, only: torque
@@ -34,6 +34,7 @@ contains
          new_unittest("every-row-makes-its-effect", test_making), &
          new_unittest("unknown-names-refused", test_unknown), &
          new_unittest("bad-values-refused", test_refusals), &
+         new_unittest("large-numbers-raise-nothing", test_large), &
          new_unittest("defaults", test_defaults), &
          new_unittest("moving-fields", test_moving), &
          new_unittest("torque-table", test_table)]
@@ -194,6 +195,40 @@ contains
       call expect(error, .not. allocated(made) .and. index(refusal%message, name) > 0, &
          "message: "//refusal%message)
    end subroutine refused
+
+   !> 1e200 in every key of numbers, alone and in all at once: taken or refused, but no overflow
+   !> (the checking profile has traps).
+   subroutine test_large(error)
+      type(error_type), allocatable, intent(out) :: error
+      type(effect_info) :: info
+      type(setting), allocatable :: settings(:)
+      class(effect), allocatable :: made
+      type(poinsot_error) :: refusal
+      real(dp) :: size_of
+      integer :: i, k, which, n, given
+      do i = 1, effect_count
+         info = describe_effect(i)
+         if (info%name == "potential" .or. info%name == "callback") cycle
+         do which = 0, size(info%keys)
+            allocate (settings(size(info%keys)))
+            given = 0
+            do k = 1, size(info%keys)
+               associate (key => info%keys(k))
+                  if (key%is_text) cycle
+                  if (which /= k .and. which > 0 .and. key%default /= "required") cycle
+                  size_of = merge(1e200_dp, 0.5_dp, which == 0 .or. which == k)
+                  n = max(key%least, 1)
+                  given = given + 1
+                  settings(given) = number_setting(trim(key%name), spread(size_of, 1, n))
+               end associate
+            end do
+            call clear(refusal)
+            call make_effect(trim(info%name), settings(:given), made, refusal)
+            call expect(error, allocated(made) .neqv. raised(refusal), trim(info%name))
+            deallocate (settings)
+         end do
+      end do
+   end subroutine test_large
 
    !> weight = 1, up = z: U = centre_3 at q = 1; up is a direction, its length does not count; class
    !> is kept.

@@ -10,7 +10,7 @@ module poinsot_effect_registry
    use poinsot_effect_effect, only: effect
    use poinsot_effect_row, only: effect_label, effect_row, row_source
    use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, &
-      check_keys, get_value, reject_key
+      check_keys, get_value
    use poinsot_effect_gravity, only: gravity_label, gravity_row
    use poinsot_effect_field, only: field_label, field_row
    use poinsot_effect_gravity_gradient, only: gravity_gradient_label, gravity_gradient_row
@@ -150,7 +150,6 @@ contains
       info = row%info
       info%keys = [info%keys, class_key()]
       call check_keys(info, settings, error)
-      if (.not. raised(error)) call check_range(info, settings, error)
       if (raised(error)) return
       class_number = get_value(info, settings, "class")
       if (class_number < 0 .or. class_number > 1e9_dp .or. &
@@ -161,21 +160,6 @@ contains
       end if
       call remake_effect(info, settings, made, error)
    end subroutine make_effect
-
-   !> Numbers whose products a double can hold: up to 1e150.
-   subroutine check_range(info, settings, error)
-      type(effect_info), intent(in) :: info
-      type(setting), intent(in) :: settings(:)
-      type(poinsot_error), intent(inout) :: error
-      real(dp), parameter :: most = 1e150_dp
-      integer :: i
-      do i = 1, size(settings)
-         if (.not. allocated(settings(i)%values)) cycle
-         if (.not. any(abs(settings(i)%values) > most)) cycle
-         call reject_key(info, settings, settings(i)%key, "has a number beyond 1e150", error)
-         return
-      end do
-   end subroutine check_range
 
    !> Make an effect from settings that were checked, and perhaps turned into another frame since.
    subroutine remake_effect(info, settings, made, error)
