@@ -9,7 +9,7 @@ module poinsot_effect_gravity
    use poinsot_effect_turning, only: turning_direction, turning_keys, get_turning
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, &
-      get_value, check_range, body_vector
+      get_value, check_product, body_vector
    implicit none(type, external)
    private
    public :: gravity, gravity_label, gravity_row
@@ -55,10 +55,10 @@ contains
       type(gravity) :: new
       real(dp), allocatable :: centre(:)
       call get_turning(info, settings, "up", new%up, error)
-      if (.not. raised(error)) call check_range(info, settings, "centre", error)
-      if (.not. raised(error)) call check_range(info, settings, "weight", error)
       if (raised(error)) return
       call get_values(info, settings, "centre", centre)
+      call check_product(info, settings, "weight", maxval(abs(centre)), error)
+      if (raised(error)) return
       new%arm = get_value(info, settings, "weight")*centre
       made = new
    end subroutine make_gravity

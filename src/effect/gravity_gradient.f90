@@ -10,7 +10,7 @@ module poinsot_effect_gravity_gradient
    use poinsot_effect_terms, only: torque_terms, quadratic_term, space_direction
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_value, &
-      get_text, get_direction, check_range
+      get_text, get_direction, check_product
    implicit none(type, external)
    private
    public :: gravity_gradient, gravity_gradient_label, gravity_gradient_row
@@ -70,9 +70,10 @@ contains
       type(gravity_gradient) :: new
       call get_direction(info, settings, "radial", new%radial, error)
       if (.not. raised(error)) call get_direction(info, settings, "normal", new%normal, error)
-      if (.not. raised(error)) call check_range(info, settings, "rate", error)
       if (raised(error)) return
       new%rate = get_value(info, settings, "rate")
+      call check_product(info, settings, "rate", new%rate, error)
+      if (raised(error)) return
       new%kappa = 3*new%rate**2
       new%eccentricity = get_value(info, settings, "eccentricity")
       new%anomaly = get_value(info, settings, "anomaly")

@@ -144,7 +144,8 @@ contains
       if (.not. associated(row%make)) then
          call raise(error, poinsot_e_domain, &
                     "effect '" // trim(name) // "' is a program's own torque: extend " // &
-                    "poinsot_user_torque or poinsot_user_potential (Fortran) or pass a callback (C)")
+                    "poinsot_user_torque or poinsot_user_potential (Fortran) or pass a " // &
+                    "callback (C)")
          return
       end if
       info = row%info

@@ -14,7 +14,7 @@ module poinsot_effect_settings
    private
    public :: setting, effect_key, effect_info, number_key, text_key
    public :: body_vector, class_vectors, per_axis
-   public :: settings_place, check_keys, check_range, reject_unknown, reject_key, find_key
+   public :: settings_place, check_keys, check_product, reject_unknown, reject_key, find_key
    public :: get_values, get_value, get_text, get_direction, was_given, default_values, &
       number_setting, text_setting
 
@@ -366,17 +366,20 @@ contains
       end if
    end subroutine get_direction
 
-   !> Refuse numbers whose products and squares a double cannot hold: beyond 1e150.
-   pure subroutine check_range(info, settings, key, error)
+   !> Refuse a key whose numbers times `factor`, and three times that, are beyond the range of
+   !> doubles.
+   pure subroutine check_product(info, settings, key, factor, error)
       type(effect_info), intent(in) :: info    !! the row of the registry
       type(setting), intent(in) :: settings(:) !! checked against the row
       character(*), intent(in) :: key          !! its name
+      real(dp), intent(in) :: factor           !! finite
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: values(:)
       call get_values(info, settings, key, values)
-      if (any(abs(values) > 1e150_dp)) call reject_key(info, settings, key, &
-         "has a number beyond 1e150", error)
-   end subroutine check_range
+      if (maxval(exponent(values)) + exponent(factor) > maxexponent(factor) - 2) then
+         call reject_key(info, settings, key, "makes a torque beyond the range of numbers", error)
+      end if
+   end subroutine check_product
 
    pure integer function find_key(info, key) result(k)
       type(effect_info), intent(in) :: info
