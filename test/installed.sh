@@ -64,12 +64,12 @@ bindings_header() {
    mkdir -p "$work/bindings" && printf '#include <stddef.h>\n#include <stdint.h>\n#include <poinsot_cdef.h>\n' >"$work/bindings/poinsot.h" &&
       ! sed 1d "$prefix/include/poinsot_cdef.h" | grep '#\|/[*]\|extern\|enum {' &&
       "$CC" -std=c99 -pedantic -Wall -Wextra -Werror -fsyntax-only -I"$work/bindings" -I"$prefix/include" test/consumer/consumer.c &&
-      for header in poinsot.h poinsot_cdef.h; do
-         "$CC" -E -P -include stddef.h -include stdint.h "$prefix/include/$header" | tr -d ' \n' | grep -o 'enumpoinsot_status_code.*' >"$work/bindings/$header.text"
+      for file in poinsot.h poinsot_cdef.h; do
+         "$CC" -E -P -include stddef.h -include stdint.h "$prefix/include/$file" | tr -d ' \n' | grep -o 'enumpoinsot_status_code.*' >"$work/bindings/$file.text"
       done && cmp "$work/bindings/poinsot.h.text" "$work/bindings/poinsot_cdef.h.text"
 }
 ilp64() { with_shared "-std=c99 -Wall -Wextra -Werror" test/consumer/ilp64.c; }
-cpp() { eval "c++ -std=c++11 -Wall -Wextra -Werror -fsyntax-only -x c++ $(config --cflags) $header"; }
+cpp() { eval "c++ -std=c++11 -Wall -Wextra -Werror -fsyntax-only -x c++ $(config --cflags) $file"; }
 fortran() {
    eval "$FC -J $work/build test/consumer/consumer.f90 -o $work/build/fortran $(config --cflags --libs)" &&
       LD_LIBRARY_PATH=$prefix/lib $work/build/fortran
