@@ -69,7 +69,7 @@ bindings_header() {
       done && cmp "$work/bindings/poinsot.h.text" "$work/bindings/poinsot_cdef.h.text"
 }
 ilp64() { with_shared "-std=c99 -Wall -Wextra -Werror" test/consumer/ilp64.c; }
-cpp() { eval "c++ -std=c++11 -Wall -Wextra -Werror -fsyntax-only -x c++ $(config --cflags) $file"; }
+cpp() { eval "c++ -std=c++11 -Wall -Wextra -Werror -fsyntax-only -x c++ $(config --cflags) $header"; }
 fortran() {
    eval "$FC -J $work/build test/consumer/consumer.f90 -o $work/build/fortran $(config --cflags --libs)" &&
       LD_LIBRARY_PATH=$prefix/lib $work/build/fortran
