@@ -3,7 +3,8 @@
 # The last line is "N passed, M failed" over all of them; the exit code is non-zero on a failure or when no test ran.
 #
 # usage: tools/test.sh [--deep] [SUITE [TEST]]       with a SUITE: the suites only, not the installed library
-# environment: PROFILES the profiles ("release checking"); FC, PORTABLE, EXTRA_FLAGS as in tools/flags.sh; BUILD (build)
+# environment: PROFILES the profiles ("release checking"); FC, PORTABLE, EXTRA_FLAGS as in tools/flags.sh; BUILD (build);
+# FUZZ=no leaves out the fuzzers
 
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -48,7 +49,7 @@ if [ -z "$arguments" ] && [ -x test/installed.sh ]; then
    printf '\n=== tests of the installed library and app\n'
    counted installed test/installed.sh
 fi
-if [ -z "$arguments" ]; then
+if [ -z "$arguments" ] && [ "${FUZZ:-yes}" != no ]; then
    printf '\n=== fuzzers, a short run\n'
    if tools/fuzz.sh probe; then counted fuzz tools/fuzz.sh all 1500; else echo "       ... fuzz [SKIPPED] no sanitizers"; fi
 fi
