@@ -346,7 +346,7 @@ poinsot_status poinsot_bodies_check(const poinsot_plan *plan, const poinsot_bodi
 /* ---- many bodies: what a host calls every step --------------------------------------------------------------------- */
 
 /* Free rotation of all bodies over h by the plan's method, with built-in rotors (gyrostats) as in poinsot_step; no other effect
- * of the plan acts (drag and thermostat: poinsot_dissipate). A wheel whose momentum is a table in time asks for the time, which
+ * of the plan acts (drag and thermostat: poinsot_dissipate). A rotor whose momentum is a table in time asks for the time, which
  * poinsot_step and poinsot_energy know: POINSOT_E_METHOD here, in poinsot_dissipate, and in poinsot_kick and poinsot_momentum where
  * the layout has velocities. */
 poinsot_status poinsot_drift(const poinsot_plan *plan, const poinsot_bodies *bodies, double h);

@@ -15,7 +15,7 @@ module poinsot_api_plan
       class_axes, &
       set_option, &
       add_effect
-   use poinsot_ensemble_check, only: check_ready, check_moments, to_drift
+   use poinsot_ensemble_check, only: check_ready, check_purpose, to_drift
    use poinsot_ensemble_layout, only: conjugate_momentum
    implicit none(type, external)
    private
@@ -270,7 +270,7 @@ contains
          call raise(error, poinsot_e_null, "the plan is NULL")
       else if (.not. raised(error)) then
          call check_ready(p%plan, view, error)
-         if (.not. raised(error)) call check_moments(p%plan, view, to_drift, error)
+         if (.not. raised(error)) call check_purpose(p%plan, view, to_drift, error)
       end if
       status = error%code
       if (raised(error)) call to_c(error%message, buffer, capacity)

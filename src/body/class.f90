@@ -143,14 +143,8 @@ contains
       real(dp), intent(in) :: t
       real(dp), intent(in) :: ahead    !! of a jump at t, which side is meant (time_table%seen)
       real(dp) :: rotor(3)
-      integer :: i
       rotor = class%rotor
-      if (.not. allocated(class%rotor_tables)) return
-      associate (table => class%rotor_tables%item)
-         do i = 1, size(table)
-            rotor = rotor + table(i)%at(table(i)%seen(t, ahead))
-         end do
-      end associate
+      if (allocated(class%rotor_tables)) rotor = rotor + class%rotor_tables%sum_at(t, ahead)
    end function rotor_at
 
    !> Keep the series that a method with more terms of it needs than every class has (`dmv12` and

@@ -16,9 +16,13 @@ module poinsot_core_time_table
       procedure :: seen
    end type time_table
 
-   !> Several tables: a component that is absent takes one address.
+   !> Tables whose numbers add up.
    type :: time_table_list
       type(time_table), allocatable :: item(:)
+   contains
+      procedure :: append
+      procedure :: sum_at
+      procedure :: bound
    end type time_table_list
 
 contains
@@ -59,6 +63,47 @@ contains
       if (ahead > 0) seen = max(t, seen)
       if (ahead < 0) seen = min(t, seen)
    end function seen
+
+   !> One more table. (No array constructor: of structures that own arrays gfortran 12 loses some.)
+   subroutine append(self, table)
+      class(time_table_list), intent(inout) :: self
+      type(time_table), intent(in) :: table
+      type(time_table), allocatable :: more(:)
+      integer :: i, n
+      n = 0
+      if (allocated(self%item)) n = size(self%item)
+      allocate (more(n + 1))
+      do i = 1, n
+         more(i) = self%item(i)
+      end do
+      more(n + 1) = table
+      call move_alloc(more, self%item)
+   end subroutine append
+
+   !> Their sum at time t, looking ahead (seen).
+   pure function sum_at(self, t, ahead) result(value)
+      class(time_table_list), intent(in) :: self
+      real(dp), intent(in) :: t, ahead
+      real(dp) :: value(3)
+      integer :: i
+      value = 0
+      if (.not. allocated(self%item)) return
+      do i = 1, size(self%item)
+         value = value + self%item(i)%at(self%item(i)%seen(t, ahead))
+      end do
+   end function sum_at
+
+   !> No component of the sum is ever larger.
+   pure function bound(self) result(value)
+      class(time_table_list), intent(in) :: self
+      real(dp) :: value(3)
+      integer :: i
+      value = 0
+      if (.not. allocated(self%item)) return
+      do i = 1, size(self%item)
+         value = value + maxval(abs(self%item(i)%values), dim=2)
+      end do
+   end function bound
 
    !> The last of ascending times that is not beyond t; 0 if all are.
    pure integer function last_until(times, t) result(low)

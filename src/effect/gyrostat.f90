@@ -7,7 +7,6 @@ module poinsot_effect_gyrostat
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_time_table, only: time_table
-   use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, &
@@ -21,7 +20,7 @@ module poinsot_effect_gyrostat
    type(effect_label), parameter :: gyrostat_label = effect_label("gyrostat", 8)
 
    !> Body with an internal rotor. A class carries the sum of its rotors (body_class%rotor, and
-   !> wheels for those that change).
+   !> rotor_tables of those that change).
    type, extends(effect) :: gyrostat
       real(dp) :: rotor(3) = 0   !! angular momentum s of the rotor relative to the body, body frame
       type(time_table), allocatable :: table !! or s as it changes

@@ -10,7 +10,7 @@ module poinsot_ensemble_check
    use poinsot_free_lane_moments, only: takes_moments
    implicit none(type, external)
    private
-   public :: check_ready, check_moments, to_drift, to_kick, to_step, to_observe, &
+   public :: check_ready, check_purpose, to_drift, to_kick, to_step, to_observe, &
       to_dissipate
 
    !> What moments of each body's own must be good for.
@@ -64,15 +64,16 @@ contains
       end if
    end subroutine check_own
 
-   !> With moments for each body: does the plan do without those of a class? With rotors that
-   !> change: does the call know the time? POINSOT_E_METHOD if not.
-   subroutine check_moments(plan, view, purpose, error)
+   !> Does a call of this purpose know what the plan asks for: with moments for each body, does
+   !> the plan do without those of a class; with rotors that change, is there a time?
+   !> POINSOT_E_METHOD if not.
+   subroutine check_purpose(plan, view, purpose, error)
       type(poinsot_plan), intent(in) :: plan    !! ready
       type(body_view), intent(in) :: view
       integer, intent(in) :: purpose            !! to_drift, to_kick, ... of above
       type(poinsot_error), intent(inout) :: error
       integer :: i
-      if (plan%wheels_change .and. wants_time(plan, purpose)) then
+      if (plan%rotors_change .and. wants_time(plan, purpose)) then
          call raise(error, poinsot_e_method, "effect 'gyrostat': the momentum of a rotor changes " &
             //"with time, and this call does not say at which time it is; poinsot_step and " &
             //"poinsot_energy do")
@@ -99,7 +100,7 @@ contains
             //"the moments of a body class; it does not act on bodies with moments for each")
          return
       end do
-   end subroutine check_moments
+   end subroutine check_purpose
 
    !> Does a call without a time need one, where rotors change?
    pure logical function wants_time(plan, purpose)

@@ -62,7 +62,7 @@ contains
          class is (flow_effect)
             plan%has_dissipation = .true.
          class is (gyrostat)
-            plan%wheels_change = plan%wheels_change .or. allocated(one%table)
+            plan%rotors_change = plan%rotors_change .or. allocated(one%table)
          end select
          if (plan%effects(i)%it%name == "langevin" .and. size(plan%splitting%enter) > 0) then
             call raise(error, poinsot_e_method, "splitting '"//trim(plan%splitting%name)// &
@@ -128,7 +128,7 @@ contains
             // "takes no effect that couples bodies; 'srkn6' does")
          return
       end if
-      if (plan%wheels_change) then
+      if (plan%rotors_change) then
          call raise(error, poinsot_e_method, "splitting 'taylor' takes no rotor whose momentum " &
             // "changes with time (effect 'gyrostat', key 'table'); 'srkn6' does")
          return

@@ -4,7 +4,7 @@ module poinsot_ensemble_dissipate
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_check, only: check_ready, check_moments, to_dissipate
+   use poinsot_ensemble_check, only: check_ready, check_purpose, to_dissipate
    use poinsot_ensemble_compose, only: attach_plan
    use poinsot_ensemble_drive, only: block_job, for_each_block
    use poinsot_ensemble_plan, only: poinsot_plan
@@ -36,7 +36,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(dissipation_job) :: job
       call check_ready(plan, view, error)
-      if (.not. raised(error)) call check_moments(plan, view, to_dissipate, error)
+      if (.not. raised(error)) call check_purpose(plan, view, to_dissipate, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       if (.not. raised(error)) then
          if (h < 0) call raise(error, poinsot_e_domain, &

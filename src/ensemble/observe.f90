@@ -8,7 +8,7 @@ module poinsot_ensemble_observe
    use poinsot_body_moments, only: accept_moments
    use poinsot_ensemble_block, only: reject_energies
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_check, only: check_ready, check_moments, to_kick, to_observe
+   use poinsot_ensemble_check, only: check_ready, check_purpose, to_kick, to_observe
    use poinsot_ensemble_coupled, only: coupled_energy
    use poinsot_ensemble_block, only: clock
    use poinsot_ensemble_drive, only: block_job, for_each_block
@@ -51,7 +51,7 @@ contains
       kinetic = 0
       potential = 0
       call check_ready(plan, view, error)
-      if (.not. raised(error)) call check_moments(plan, view, to_observe, error)
+      if (.not. raised(error)) call check_purpose(plan, view, to_observe, error)
       if (.not. raised(error)) call check_step(t, 1, error, "time t")
       if (.not. raised(error) .and. (size(kinetic) < view%n .or. size(potential) < view%n)) then
          call raise(error, poinsot_e_size, &
@@ -82,7 +82,7 @@ contains
       type(momentum_job) :: job
       momentum = 0
       call check_ready(plan, view, error)
-      if (.not. raised(error)) call check_moments(plan, view, to_kick, error)
+      if (.not. raised(error)) call check_purpose(plan, view, to_kick, error)
       if (.not. raised(error) .and. (size(momentum, 1) < 3 .or. size(momentum, 2) < view%n)) then
          call raise(error, poinsot_e_size, "momenta: the array is not (3, n)")
       end if

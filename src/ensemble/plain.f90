@@ -240,6 +240,17 @@ contains
       if (.not. keep_q) call give_to(a%q, a%n, 4, a%dq, a%q_rows, first, n, from, q)
    end subroutine put
 
+   !> Components by their addresses.
+   subroutine open_columns(x, length, x1, x2, x3, x4)
+      type(c_ptr), intent(in) :: x(4)
+      integer(c_ptrdiff_t), intent(in) :: length
+      real(dp), pointer, contiguous, dimension(:), intent(out) :: x1, x2, x3, x4
+      call c_f_pointer(x(1), x1, [length])
+      call c_f_pointer(x(2), x2, [length])
+      call c_f_pointer(x(3), x3, [length])
+      call c_f_pointer(x(4), x4, [length])
+   end subroutine open_columns
+
    !> m bodies from `first` on of three or four components, by the addresses of these.
    subroutine take_from(x, n, columns, stride, rows, first, m, into)
       type(c_ptr), intent(in) :: x(4)
@@ -250,12 +261,7 @@ contains
       integer, intent(in) :: first, m
       real(dp), intent(inout) :: into(lanes, *)
       real(dp), pointer, contiguous, dimension(:) :: x1, x2, x3, x4
-      integer(c_ptrdiff_t) :: last(1)
-      last = 1 + max(0, n - 1)*stride
-      call c_f_pointer(x(1), x1, last)
-      call c_f_pointer(x(2), x2, last)
-      call c_f_pointer(x(3), x3, last)
-      call c_f_pointer(x(4), x4, last)
+      call open_columns(x, 1 + max(0, n - 1)*stride, x1, x2, x3, x4)
       call take(columns, stride, rows, first, m, x1, x2, x3, x4, into)
    end subroutine take_from
 
@@ -269,12 +275,7 @@ contains
       integer, intent(in) :: first, n, from
       real(dp), intent(in) :: y(lanes, *)
       real(dp), pointer, contiguous, dimension(:) :: x1, x2, x3, x4
-      integer(c_ptrdiff_t) :: last(1)
-      last = 1 + max(0, all - 1)*stride
-      call c_f_pointer(x(1), x1, last)
-      call c_f_pointer(x(2), x2, last)
-      call c_f_pointer(x(3), x3, last)
-      call c_f_pointer(x(4), x4, last)
+      call open_columns(x, 1 + max(0, all - 1)*stride, x1, x2, x3, x4)
       call give(columns, stride, rows, first, n, from, y, x1, x2, x3, x4)
    end subroutine give_to
 

@@ -66,7 +66,7 @@ module poinsot_ensemble_plan
       type(taylor_problem), allocatable :: taylor(:) !! (classes), with splitting `taylor`
       type(taylor_orders) :: orders               !! of its series
       logical :: has_dissipation = .false.        !! of any class
-      logical :: wheels_change = .false.          !! a rotor's momentum is a table in time
+      logical :: rotors_change = .false.          !! a rotor's momentum is a table in time
       logical :: classless = .false.              !! no class was added: bodies have moments of
                                                   !! their own; the one class is a sphere unused
    contains

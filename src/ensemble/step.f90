@@ -7,7 +7,7 @@ module poinsot_ensemble_step
    use poinsot_effect_effect, only: flow_effect
    use poinsot_ensemble_block, only: clock, add_momentum, reject_torques
    use poinsot_ensemble_bodies, only: body_view, column
-   use poinsot_ensemble_check, only: check_ready, check_moments, to_drift, to_kick, to_step
+   use poinsot_ensemble_check, only: check_ready, check_purpose, to_drift, to_kick, to_step
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
    use poinsot_ensemble_direct, only: adds_direct, is_free, kick_direct, momentum_columns, &
       rotate_direct, takes_direct
@@ -67,7 +67,7 @@ contains
       type(drift_job) :: job
       logical :: done
       call check_ready(plan, view, error)
-      if (.not. raised(error)) call check_moments(plan, view, to_drift, error)
+      if (.not. raised(error)) call check_purpose(plan, view, to_drift, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       status = error%code
       if (raised(error)) return
@@ -109,7 +109,7 @@ contains
       type(kick_job) :: job
       logical :: done
       call check_ready(plan, view, error)
-      if (.not. raised(error)) call check_moments(plan, view, to_kick, error)
+      if (.not. raised(error)) call check_purpose(plan, view, to_kick, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       status = error%code
       if (raised(error)) return
@@ -158,7 +158,7 @@ contains
       logical :: done
 
       call check_ready(plan, view, error)
-      if (.not. raised(error)) call check_moments(plan, view, to_step, error)
+      if (.not. raised(error)) call check_purpose(plan, view, to_step, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       if (.not. raised(error)) call check_step(t, 1, error, "time t")
       if (.not. raised(error)) call check_count(first, steps, error)

@@ -261,10 +261,10 @@ contains
    end subroutine check_states
 
    !> The rotors of gyrostats, once the effects are known: a body whose angular velocity was given
-   !> has
-   !> the momentum I omega + rotor.
+   !> has the momentum I omega + rotor.
    subroutine add_rotors(scene)
       type(scene_settings), intent(inout) :: scene   !! its effects are built
+      type(time_table) :: table
       integer :: i, k
       do k = 1, size(scene%effects)
          select type (one => scene%effects(k)%made)
@@ -273,7 +273,9 @@ contains
                if (.not. one%acts_on(i)) cycle
                associate (bodies => scene%bodies(i))
                   if (allocated(one%table)) then
-                     call add_wheel(one%table, bodies)
+                     table = one%table
+                     if (bodies%turned) table%values = matmul(transpose(bodies%axes), table%values)
+                     call bodies%rotor_tables%append(table)
                   else if (bodies%turned) then
                      bodies%rotor = bodies%rotor + matmul(transpose(bodies%axes), one%rotor)
                   else
@@ -288,22 +290,5 @@ contains
             + rotor_of(scene%bodies(i), 0.0_dp)
       end do
    end subroutine add_rotors
-
-   !> A wheel that changes, in principal axes.
-   subroutine add_wheel(table, bodies)
-      type(time_table), intent(in) :: table
-      type(body_group), intent(inout) :: bodies
-      type(time_table), allocatable :: more(:)
-      integer :: i, n
-      n = 0
-      if (allocated(bodies%wheels)) n = size(bodies%wheels)
-      allocate (more(n + 1))
-      do i = 1, n
-         more(i) = bodies%wheels(i)
-      end do
-      more(n + 1) = table
-      if (bodies%turned) more(n + 1)%values = matmul(transpose(bodies%axes), table%values)
-      call move_alloc(more, bodies%wheels)
-   end subroutine add_wheel
 
 end module poinsot_scene_bodies

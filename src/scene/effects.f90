@@ -60,8 +60,7 @@ contains
       item%name = group%name
       item%line = group%line
       item%settings = group%settings
-      if (number_of(group, "class") > size(scene%bodies) .or. number_of(group, "class") < 0 &
-         .or. abs(number_of(group, "class") - anint(number_of(group, "class"))) > 0) then
+      if (number_of(group, "class") > size(scene%bodies)) then
          call reject_key(group, "class", "= " // plain(number_of(group, "class")) // &
                        " is not the number of a &bodies group; there are " // &
                        text_of(size(scene%bodies)), error)

@@ -38,7 +38,7 @@ contains
          select case (kind)
          case ("body")
             call add([character(16) :: "attitude"])
-            if (.not. wheels_change(scene)) call add([character(16) :: "momentum"])
+            if (.not. rotors_change(scene)) call add([character(16) :: "momentum"])
             call add([character(16) :: "drift"])
          case ("top")
             call add([character(16) :: "nutation", "drift"])
@@ -47,7 +47,7 @@ contains
          case ("angle")
             call add([character(16) :: "angle", "drift"])
          case ("ensemble")
-            if (wanted_temperature(scene) > 0 .and. .not. wheels_change(scene)) then
+            if (wanted_temperature(scene) > 0 .and. .not. rotors_change(scene)) then
                call add([character(16) :: "temperature", "momenta"])
             else
                call add([character(16) :: "drift"])
@@ -103,14 +103,14 @@ contains
 
    !> Has a body a rotor whose momentum is a table? Pictures of temperatures, and of the levels of
    !> the energy on the sphere of momenta, know constant ones.
-   pure logical function wheels_change(scene)
+   pure logical function rotors_change(scene)
       type(scene_settings), intent(in) :: scene !! the typed scene
       integer :: i
-      wheels_change = .false.
+      rotors_change = .false.
       do i = 1, size(scene%bodies)
-         wheels_change = wheels_change .or. allocated(scene%bodies(i)%wheels)
+         rotors_change = rotors_change .or. allocated(scene%bodies(i)%rotor_tables%item)
       end do
-   end function wheels_change
+   end function rotors_change
 
    !> kT of the thermostat if there is one, else of the first momenta.
    pure real(dp) function wanted_temperature(scene) result(kt)
@@ -160,7 +160,7 @@ contains
       type(scene_settings), intent(in) :: scene
       type(out_file), intent(in) :: file
       type(poinsot_error), intent(inout) :: error
-      real(dp), dimension(3, size(scene%bodies)) :: moments, wheels
+      real(dp), dimension(3, size(scene%bodies)) :: moments, rotors
       real(dp) :: axes(3, 3, size(scene%bodies))
       integer :: last(size(scene%bodies)), g, j
       do g = 1, size(scene%bodies)
@@ -171,17 +171,17 @@ contains
             axes(j, j, g) = 1
          end do
          if (scene%bodies(g)%turned) axes(:, :, g) = scene%bodies(g)%axes
-         wheels(:, g) = scene%bodies(g)%rotor
+         rotors(:, g) = scene%bodies(g)%rotor
       end do
       call put(file, "# groups of bodies: the last body of each; three moments; principal " // &
                "axes in the given frame,", error)
-      call put(file, "# one after another; momentum of wheels along them; does the frame " // &
+      call put(file, "# one after another; momentum of rotors along them; does the frame " // &
                "differ from the axes", error)
       call put_variable(file, "groups", size(scene%bodies), error)
       call put_variable(file, "last_body", last, error)
       call put_variable(file, "moments", reshape(moments, [size(moments)]), error)
       call put_variable(file, "axes", reshape(axes, [size(axes)]), error)
-      call put_variable(file, "wheels", reshape(wheels, [size(wheels)]), error)
+      call put_variable(file, "rotors", reshape(rotors, [size(rotors)]), error)
       call put_variable(file, "turned", merge(1, 0, scene%bodies%turned), error)
    end subroutine put_groups
 

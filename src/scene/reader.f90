@@ -15,7 +15,7 @@ module poinsot_scene_reader
    use poinsot_scene_source, only: scene_entry, scene_group, scene_source, append, reject
    use poinsot_scene_load, only: load_text
    use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, scan_name, &
-      scan_subscript, reject_key, longest_name
+      scan_subscript, longest_name
    use poinsot_scene_values, only: scan_list
    implicit none(type, external)
    private

@@ -1,6 +1,6 @@
 !> A scene with types: what the reader makes of the file and what the run needs.
 module poinsot_scene_settings
-   use poinsot_core_time_table, only: time_table
+   use poinsot_core_time_table, only: time_table_list
    use poinsot_core_kinds, only: dp, i8
    use poinsot_effect_effect, only: effect
    use poinsot_effect_settings, only: setting
@@ -25,7 +25,7 @@ module poinsot_scene_settings
       character(3) :: convention = "zxz"      !! of Euler angles
       logical :: from_omega = .false.         !! y was given as an angular velocity
       real(dp) :: rotor(3) = 0                !! momentum of its gyrostats: omega = (y - rotor)/I
-      type(time_table), allocatable :: wheels(:) !! of those that change: rotor_of has all of them
+      type(time_table_list) :: rotor_tables   !! of those that change: rotor_of has all of them
       real(dp) :: q(4) = [1, 0, 0, 0]         !! attitude
       character(:), allocatable :: note       !! what was made of a value, if anything
       integer :: random = random_none
@@ -109,12 +109,7 @@ contains
       type(body_group), intent(in) :: bodies
       real(dp), intent(in) :: t
       real(dp) :: rotor(3)
-      integer :: i
-      rotor = bodies%rotor
-      if (.not. allocated(bodies%wheels)) return
-      do i = 1, size(bodies%wheels)
-         rotor = rotor + bodies%wheels(i)%at(t)
-      end do
+      rotor = bodies%rotor + bodies%rotor_tables%sum_at(t, 0.0_dp)
    end function rotor_of
 
 end module poinsot_scene_settings

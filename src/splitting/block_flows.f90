@@ -368,8 +368,10 @@ contains
       real(dp) :: rotor(3)
       integer :: i, place, n
       n = size(self%acting%dissipative)
-      rotor = rotor_at(self%class, t, merge(glance, -glance, half == 0)*h)
-      if (self%class%has_rotor) call add_rotor(-rotor, self%y)
+      if (self%class%has_rotor) then
+         rotor = rotor_at(self%class, t, merge(glance, -glance, half == 0)*h)
+         call add_rotor(-rotor, self%y)
+      end if
       do i = 1, n
          place = merge(i, n + 1 - i, half == 0)
          select type (one => self%effects(self%acting%dissipative(place))%it)

@@ -3,7 +3,6 @@ module poinsot_splitting_class_flows
    use poinsot_core_length, only: length_of
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method
-   use poinsot_core_time_table, only: time_table
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect_item, torque_effect, flow_effect
@@ -74,15 +73,10 @@ contains
       type(class_flows), intent(inout) :: composed
       type(poinsot_error), intent(inout) :: error
       real(dp) :: most(3), sum_of(3)
-      integer :: i
       most = abs(one%rotor)
       if (allocated(one%table)) most = maxval(abs(one%table%values), dim=2)
       sum_of = abs(class%rotor)
-      if (allocated(class%rotor_tables)) then
-         do i = 1, size(class%rotor_tables%item)
-            sum_of = sum_of + maxval(abs(class%rotor_tables%item(i)%values), dim=2)
-         end do
-      end if
+      if (allocated(class%rotor_tables)) sum_of = sum_of + class%rotor_tables%bound()
       if (class%sorted(1) <= 0 .and. any(most > 0)) then
          call raise(error, poinsot_e_domain, "effect 'gyrostat': a linear body, which has a " // &
             "moment of zero, holds no rotor; name another class by key 'class'")
@@ -94,29 +88,13 @@ contains
          return
       end if
       class%rotor = class%rotor + one%rotor
-      if (allocated(one%table)) call add_rotor_table(one%table, class)
+      if (allocated(one%table)) then
+         if (.not. allocated(class%rotor_tables)) allocate (class%rotor_tables)
+         call class%rotor_tables%append(one%table)
+      end if
       class%rotor_rate = length_of(class%inverse*class%rotor)
       class%has_rotor = .true.
       if (.not. allocated(composed%weights)) call turn_composition(order, composed%weights)
    end subroutine add_rotor
-
-   !> One more table. (No array constructor: of structures that own arrays gfortran 12 loses some.)
-   subroutine add_rotor_table(table, class)
-      type(time_table), intent(in) :: table
-      type(body_class), intent(inout) :: class
-      type(time_table), allocatable :: more(:)
-      integer :: i, n
-      if (.not. allocated(class%rotor_tables)) then
-         allocate (class%rotor_tables)
-         allocate (class%rotor_tables%item(0))
-      end if
-      n = size(class%rotor_tables%item)
-      allocate (more(n + 1))
-      do i = 1, n
-         more(i) = class%rotor_tables%item(i)
-      end do
-      more(n + 1) = table
-      call move_alloc(more, class%rotor_tables%item)
-   end subroutine add_rotor_table
 
 end module poinsot_splitting_class_flows

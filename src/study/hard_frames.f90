@@ -1,4 +1,4 @@
-!> Promises about what a host or a scene brings: a tensor in some frame, a wheel, numbers with few
+!> Promises about what a host or a scene brings: a tensor in some frame, a rotor, numbers with few
 !> digits. One figure each of a method and a body, in 1e-16; `broken` where a promise is not kept.
 module poinsot_study_hard_frames
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -15,7 +15,7 @@ module poinsot_study_hard_frames
    use poinsot_rotation_quaternion, only: quaternion_product, quaternion_conjugate, rotate
    implicit none(type, external)
    private
-   public :: in_a_frame, with_a_wheel, few_digits
+   public :: in_a_frame, with_a_rotor, few_digits
 
    real(dp), parameter :: broken = huge(1.0_dp)
    real(dp), parameter :: axes(4) = [0.5_dp, 0.1_dp, -0.7_dp, 0.5_dp] !! of a frame, of norm 1
@@ -61,21 +61,21 @@ contains
          max(norm2(y(:, 1) - y(:, 2))/norm2(y(:, 1)), norm2(q(:, 1) - q(:, 2)))/1e-16_dp
    end function in_a_frame
 
-   !> A wheel inside: poinsot_drift and a step are one motion, to the bit, and Q y stays.
-   real(dp) function with_a_wheel(name, moments, momentum) result(figure)
+   !> A rotor inside: poinsot_drift and a step are one motion, to the bit, and Q y stays.
+   real(dp) function with_a_rotor(name, moments, momentum) result(figure)
       character(*), intent(in) :: name
       real(dp), intent(in) :: moments(3), momentum(3)
       type(poinsot_plan), target :: plan
       type(poinsot_error) :: error
       type(body_view) :: view
       real(dp), target :: y(3, 1), q(4, 1)
-      real(dp) :: wheel(3), z(3), r(4)
+      real(dp) :: rotor(3), z(3), r(4)
       integer :: k, number, status
-      wheel = centre
-      where (.not. moments > 0) wheel = 0
+      rotor = centre
+      where (.not. moments > 0) rotor = 0
       call renew(plan, name, error)
       call add_class(plan, moments, number, error)
-      call add_effect(plan, "gyrostat", [number_setting("rotor", wheel)], error)
+      call add_effect(plan, "gyrostat", [number_setting("rotor", rotor)], error)
       call set_option(plan, "splitting", "srkn6", error)
       z = momentum
       r = start
@@ -93,7 +93,7 @@ contains
       if (.not. all(ieee_is_finite([y, q, z, r]))) return
       if (any(transfer([y, q], [0]) /= transfer([z, r], [0]))) return
       figure = norm2(rotate(r, z) - rotate(start, momentum))/norm2(momentum)/1e-16_dp
-   end function with_a_wheel
+   end function with_a_rotor
 
    !> Few digits within the slack are taken, and change nothing but what they must; beyond it they
    !> are refused. 0 or `broken`.

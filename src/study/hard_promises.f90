@@ -13,7 +13,7 @@ module poinsot_study_hard_promises
    use poinsot_ensemble_rotate, only: rotate_bodies
    use poinsot_free_method, only: free_method, find_method
    use poinsot_rotation_quaternion, only: rotate
-   use poinsot_study_hard_frames, only: in_a_frame, with_a_wheel, few_digits
+   use poinsot_study_hard_frames, only: in_a_frame, with_a_rotor, few_digits
    use poinsot_study_turn, only: turn_one
    implicit none(type, external)
    private
@@ -42,7 +42,7 @@ module poinsot_study_hard_promises
       promise("no-unit", 0.0_dp, &
          "|q| off by more, zero, infinite, not a number: refused, state kept"), &
       promise("frame", 500.0_dp, "a top given by a tensor in another frame: the same motion"), &
-      promise("wheel", 500.0_dp, "a rotor: drift and step the same bits, Q y kept"), &
+      promise("rotor", 500.0_dp, "a rotor: drift and step the same bits, Q y kept"), &
       promise("slack", 0.0_dp, "few digits taken to the slack, refused beyond it")]
 
    character(9), parameter :: promise_names(*) = promises%name
@@ -85,9 +85,9 @@ contains
          case ("too-far"); one = too_far(method, b)
          case ("near-unit"); one = near_unit(name, b)
          case ("frame"); one = another_frame(method, b)
-         case ("wheel")
+         case ("rotor")
             one = measured_nothing ! there is none on a linear body
-            if (moments(1, b) > 0) one = with_a_wheel(name, moments(:, b), momenta(:, b))
+            if (moments(1, b) > 0) one = with_a_rotor(name, moments(:, b), momenta(:, b))
          case ("slack"); one = few_digits(name)
          case default; one = no_unit(name, b)
          end select

@@ -28,7 +28,7 @@ group(b) = 1 + (groups > 1 ? sum [g = 1:groups] (b > last_body[g]) : 0)
 moment(b, j) = moments[3*group(b) - 3 + j]
 principal(b, j) = axes[9*group(b) - 12 + 3*j + 1]*column(7) + axes[9*group(b) - 12 + 3*j + 2]*column(8) \
    + axes[9*group(b) - 12 + 3*j + 3]*column(9)
-moving(b, j) = principal(b, j) - wheels[3*group(b) - 3 + j]
+moving(b, j) = principal(b, j) - rotors[3*group(b) - 3 + j]
 
 stats file skip 1 every bodies using 1 name 'T' nooutput
 t_first = T_min; t_last = T_max > T_min ? T_max : T_min + 1

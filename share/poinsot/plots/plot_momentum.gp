@@ -2,7 +2,7 @@
 # `gnuplot plot_momentum.gp`, in this folder, draws momentum.svg and momentum.png.
 load 'motion.gp'
 
-# The axes of the smallest, the middle and the largest moment; contours where three moments differ and no wheel turns.
+# The axes of the smallest, the middle and the largest moment; contours where three moments differ and no rotor turns.
 stats file skip 1 every ::body::body using (b = $2, 1) nooutput
 m(j) = moment(b, j)
 lo = m(1) <= m(2) && m(1) <= m(3) ? 1 : m(2) <= m(3) ? 2 : 3
@@ -14,8 +14,8 @@ if (contours) {
    a1 = 1.0; a2 = 1.0*m(lo)/m(mid); a3 = 1.0*m(lo)/m(hi)
    contours = a1 - a2 > 1e-3 && a2 - a3 > 1e-3
 }
-wheel(j) = abs(wheels[3*group(b) - 3 + j])
-if (wheel(1) + wheel(2) + wheel(3) > 0) { contours = 0 }
+rotor(j) = abs(rotors[3*group(b) - 3 + j])
+if (rotor(1) + rotor(2) + rotor(3) > 0) { contours = 0 }
 
 # Unit momentum in principal axes.
 size(k) = larger(larger(abs(principal(b,1)), abs(principal(b,2))), abs(principal(b,3)))
