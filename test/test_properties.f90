@@ -13,6 +13,7 @@ module test_properties
    use poinsot_study_hard_promises, only: promise_names
    use poinsot_study_hard_rows, only: find_row, hard_row, measure_rows, verdict_words
    use poinsot_study_hard_cases, only: cases_of_kind
+   use poinsot_study_hard_series, only: series_names
    use poinsot_study_hard_tops, only: top_names
    use poinsot_study_hard_kinds, only: approaches, hard_result, judge_kind
    use poinsot_study_hard_cases, only: hard_case, kind_names, cases_of_kind, make_case
@@ -168,7 +169,16 @@ contains
          call judge_rows(error, rows, count([(is_table(m), m=1, splitting_count())]))
          if (allocated(error)) return
       end do
-      call expect(error, watch%told, size(promise_names) + size(top_names), "cases told of")
+      do i = 1, size(series_names)
+         call measure_rows(trim(series_names(i)), watch, rows)
+         call judge_rows(error, rows, 1)
+         if (allocated(error)) return
+         call expect(error, rows(1)%who, "taylor")
+      end do
+      call expect(error, watch%told, size(promise_names) + size(top_names) + size(series_names), &
+         "cases told of")
+      call measure_rows("taylor", watch, rows)
+      call judge_rows(error, rows, size(series_names))
       call run_hard("srkn6", "", unit, watch, problem)
       call expect(error, problem%code, 0, "a verdict on srkn6 is bad")
       call run_hard("seperatrix", "", unit, watch, problem)

@@ -14,6 +14,7 @@ module poinsot_study_hard
    use poinsot_study_hard_promises, only: promise_names, promise_bounds, promise_about, &
       broken, measured_nothing
    use poinsot_study_hard_rows, only: hard_row, measure_rows, find_row, verdict_words
+   use poinsot_study_hard_series, only: series_names, series_bound, series_about
    use poinsot_study_hard_tops, only: top_names, top_bounds, top_about
    use poinsot_study_write_line, only: write_line
    implicit none(type, external)
@@ -42,6 +43,7 @@ contains
          call show_kinds(unit, rows)
          call show_promises(unit, rows)
          call show_tops(unit, rows)
+         call show_series(unit, rows)
          call show_verdicts(unit, rows)
       else
          do i = 1, size(rows)
@@ -63,7 +65,7 @@ contains
       character(name_length), allocatable :: names(:)
       integer :: i
       if (only == "") return
-      names = [character(name_length) :: kind_names, promise_names, top_names]
+      names = [character(name_length) :: kind_names, promise_names, top_names, series_names]
       do i = 1, method_count()
          names = [character(name_length) :: names, method_name(i)]
       end do
@@ -203,6 +205,25 @@ contains
       end do
    end subroutine show_tops
 
+   !> Tops by `taylor`.
+   subroutine show_series(unit, rows)
+      integer, intent(in) :: unit
+      type(hard_row), intent(in) :: rows(:)
+      character(120) :: line
+      integer :: k
+      call write_line(unit, "")
+      call write_line(unit, "Tops by taylor, tolerance 1e-15, in one call, forwards and backwards; units of "// &
+         "conditioning")
+      write (line, "(a, f4.1, a)") "by momentum, attitude, torque and time (bound", series_bound, "):"
+      call write_line(unit, line)
+      call write_line(unit, "")
+      do k = 1, size(series_names)
+         write (line, "(a11, a8, 2x, a)") series_names(k), cell(rows(find_row(rows, &
+            series_names(k), "taylor", ""))), series_about(k)
+         call write_line(unit, line)
+      end do
+   end subroutine show_series
+
    function legend(name, about, bound) result(line)
       character(*), intent(in) :: name, about
       real(dp), intent(in) :: bound                  !! in 1e-16; negative: by the order
@@ -268,6 +289,7 @@ contains
          if (.not. is_table(m)) cycle
          call write_line(unit, sentence(splitting_name(m), rows))
       end do
+      call write_line(unit, sentence("taylor", rows))
    end subroutine show_verdicts
 
    function sentence(who, rows) result(line)

@@ -9,6 +9,7 @@ module poinsot_study_hard_rows
       takes_approach
    use poinsot_study_hard_promises, only: promise_names, promise_bounds, measure_promise, &
       broken, measured_nothing
+   use poinsot_study_hard_series, only: series_names, series_bound, measure_series
    use poinsot_study_hard_tops, only: top_names, measure_top, top_bound
    implicit none(type, external)
    private
@@ -72,13 +73,22 @@ contains
             call add(row)
          end do
       end do
+      do k = 1, size(series_names)
+         if (is_case(only) .and. only /= series_names(k)) cycle
+         if (.not. is_case(only) .and. only /= "" .and. only /= "taylor") cycle
+         call tell(size(kind_names) + size(promise_names) + size(top_names) + k - 1)
+         row = hard_row(series_names(k), "taylor")
+         row%figure = measure_series(k)
+         call judge(series_bound)
+         call add(row)
+      end do
 
    contains
 
       subroutine tell(done)
          integer, intent(in) :: done
          call watch%report_progress(real(done, dp), real(size(kind_names) + size(promise_names) + &
-            size(top_names), dp))
+            size(top_names) + size(series_names), dp))
       end subroutine tell
 
       subroutine judge(bound)
@@ -99,7 +109,7 @@ contains
    pure logical function is_case(name)
       character(*), intent(in) :: name
       is_case = any(kind_names == name) .or. any(promise_names == name) &
-         .or. any(top_names == name)
+         .or. any(top_names == name) .or. any(series_names == name)
    end function is_case
 
    !> Place of a row; 0 if there is none.
