@@ -212,9 +212,10 @@ contains
       character(120) :: line
       integer :: k
       call write_line(unit, "")
-      call write_line(unit, "Tops by taylor, tolerance 1e-15, in one call, forwards and backwards; units of "// &
-         "conditioning")
-      write (line, "(a, f4.1, a)") "by momentum, attitude, torque and time (bound", series_bound, "):"
+      call write_line(unit, "Tops by taylor, tolerance 1e-15, in one call, forwards and "// &
+         "backwards; in units of conditioning")
+      write (line, "(a, f4.1, a)") "by momentum, attitude, torque and time (bound", &
+         series_bound, "):"
       call write_line(unit, line)
       call write_line(unit, "")
       do k = 1, size(series_names)
