@@ -23,7 +23,7 @@ module poinsot_study_hard_series
    use poinsot_study_torque_series, only: torque_problem, torque_problems, turn_under_torque, fine
    implicit none(type, external)
    private
-   public :: series_names, series_bound, series_about, measure_series
+   public :: series_names, series_bound, series_about, measure_series, torque_conditioning
 
    !> A top under gravity: its name, what it is, and where it begins.
    type :: series_case
@@ -85,10 +85,9 @@ contains
       type(torque_problem), allocatable :: problems(:)
       type(poinsot_plan) :: plan
       type(poinsot_error) :: error
-      real(qp) :: yr(3), qr(4), y(3), q(4), moved
+      real(qp) :: y(3), q(4)
       real(dp) :: y0(3), q0(4)
       logical :: good
-      integer :: input
       units = broken
       call make_plan(one, plan, error)
       if (.not. raised(error)) call torque_problems(plan, problems, error)
@@ -97,45 +96,73 @@ contains
       q0 = one%q
       call advance(plan, time, y0, q0, good)
       if (.not. good .or. .not. all(ieee_is_finite([y0, q0]))) return
-      call solve(problems(1), one, time, 0, yr, qr)
-      moved = 0
-      do input = 1, inputs
-         call solve(problems(1), one, time, input, y, q)
-         moved = moved + apart(y, q, yr, qr)/part
-      end do
-      units = real(apart(real(y0, qp), real(q0, qp), yr, qr)/max(moved, 1.0_qp), dp)/1e-16_dp
+      call solve(problems(1), one%y, one%q, time, 0, y, q)
+      units = real(apart(real(y0, qp), real(q0, qp), y, q), dp)/(1e-16_dp* &
+         torque_conditioning(problems(1), one%y, one%q, time))
    end function units_off
 
-   !> In quadruple precision, one input moved.
-   subroutine solve(problem, one, time, input, y, q)
+   !> How far the end of a motion moves when each input does by one part: a sum over the inputs of
+   !> the larger of |d y|/|y| and |d q|, at least 1.
+   real(dp) function torque_conditioning(problem, y0, q0, time) result(moved)
       type(torque_problem), intent(in) :: problem
-      type(series_case), intent(in) :: one
+      real(dp), intent(in) :: y0(3), q0(4)     !! the start
       real(dp), intent(in) :: time
+      real(qp) :: yr(3), qr(4), y(3), q(4)
+      integer :: input
+      call solve(problem, y0, q0, time, 0, yr, qr)
+      moved = 0
+      do input = 1, inputs
+         call solve(problem, y0, q0, time, input, y, q)
+         moved = moved + real(apart(y, q, yr, qr)/part, dp)
+      end do
+      moved = max(moved, 1.0_dp)
+   end function torque_conditioning
+
+   !> In quadruple precision, one input moved.
+   subroutine solve(problem, y0, q0, time, input, y, q)
+      type(torque_problem), intent(in) :: problem
+      real(dp), intent(in) :: y0(3), q0(4), time
       integer, intent(in) :: input             !! 0: none; y, turns, torque, time
       real(qp), intent(out) :: y(3), q(4)
       integer, parameter :: most_steps = 100000
       type(torque_problem) :: moved
       real(qp) :: t, t1
-      integer :: i
       logical :: done
       moved = problem
-      y = one%y
-      q = one%q
+      y = y0
+      q = q0
       t = 0
       t1 = time
       select case (input)
       case (0)
       case (1:3); y(input) = y(input)*(1 + part)
       case (4:6); q = q + part*turned_about(input - 3, q)
-      case (7)
-         do i = 1, size(moved%linear)
-            moved%linear(i)%matrix = moved%linear(i)%matrix*(1 + real(part, dp))
-         end do
+      case (7); call strengthen(moved)
       case default; t1 = t1*(1 + part)
       end select
       call turn_under_torque(moved, fine, t, t1, most_steps, y, q, done)
       if (.not. done) y = huge(part)
    end subroutine solve
+
+   !> All torques, by one part.
+   pure subroutine strengthen(problem)
+      type(torque_problem), intent(inout) :: problem
+      real(dp), parameter :: more = 1 + real(part, dp)
+      integer :: i
+      do i = 1, size(problem%linear)
+         problem%linear(i)%matrix = problem%linear(i)%matrix*more
+      end do
+      do i = 1, size(problem%quadratic)
+         problem%quadratic(i)%difference = problem%quadratic(i)%difference*more
+         problem%quadratic(i)%product = problem%quadratic(i)%product*more
+      end do
+      do i = 1, size(problem%body)
+         problem%body(i)%value = problem%body(i)%value*more
+      end do
+      do i = 1, size(problem%table)
+         problem%table(i)%values = problem%table(i)%values*more
+      end do
+   end subroutine strengthen
 
    !> q o e_i.
    pure function turned_about(i, q) result(r)
