@@ -98,6 +98,11 @@ functions_page() {
    [ "$(grep -c . "$work/functions")" -gt 80 ] || return 1
    while IFS= read -r name; do grep -q "\`\(poinsot_\)*$name[\`(]" docs/functions.md || { echo "docs/functions.md: no $name"; return 1; }; done <"$work/functions"
 }
+# In Python where there is NumPy.
+code_on_pages() {
+   env OMP_NUM_THREADS=2 PYTHONPATH="$PWD/python" PYTHONDONTWRITEBYTECODE=1 POINSOT_LIBRARY="$prefix/lib/libpoinsot.so" \
+      POINSOT_APP="$prefix/bin/poinsot" PKG_CONFIG_PATH="$prefix/lib/pkgconfig" test/pages.sh "$work/pages"
+}
 legacy_md() { PKG_CONFIG_PATH=$prefix/lib/pkgconfig test/legacy_md.sh "$work/legacy_md"; }
 other_compiler() {
    "$FC" -fsyntax-only -std=f2008 -pedantic -Wall -J $work/build "$prefix/include/poinsot_interface.f90" &&
@@ -272,6 +277,7 @@ if have pkg-config; then
    expect "example-functions-c" one_turn "-std=c99 -pedantic -Wall -Wextra -Werror" example/c/one_turn.c
    expect "example-functions-fortran" one_turn "" example/fortran/one_turn.f90
    expect "example-fortran-host" with_shared "" example/fortran/host_arrays.f90
+   expect "code-on-pages" code_on_pages
    expect "example-fixed-form" with_shared "" example/fixed/molecules.f
    expect "example-legacy-md" legacy_md
    if have c++; then

@@ -176,12 +176,15 @@ route_wheel() {
       PATH=$out/venv/bin:$PATH auditwheel repair -w "$out/repaired" "$wheel" || return 1
       wheel=$(echo "$out"/repaired/poinsot-*.whl)
    fi
-   "$out/venv/bin/pip" install -q "$wheel" pytest && (cd "$out" && "$out/venv/bin/python" -c "
+   "$out/venv/bin/pip" install -q "$wheel" pytest matplotlib && (cd "$out" && "$out/venv/bin/python" -c "
 import numpy, os, poinsot
 y, q = poinsot.Body([0.376, 0.627, 1.0]).rotate(numpy.array([0.0, 0.6, -0.8]), numpy.array([1.0, 0, 0, 0]), 40.0)
 assert abs(y[0] - 0.0545936805170046) < 1e-13 and poinsot.run('free-body').t[-1] == 40
 assert not os.path.exists('/proc/self/maps') or 'liblapack' not in open('/proc/self/maps').read()" &&
-      "$out/venv/bin/python" -m pytest -q -p no:cacheprovider "$root/python/tests")
+      "$out/venv/bin/python" -m pytest -q -p no:cacheprovider "$root/python/tests") &&
+      PYTHON=$out/venv/bin/python test/pages.sh "$out/pages" python.py readme.py rows.py reading.py scenes.py && [ -s "$out/pages/figure1.png" ] &&
+      (cd "$out/pages" && "$out/venv/bin/python" "$root/example/python/free_body.py" free_body.png &&
+         "$out/venv/bin/python" "$root/example/python/what_accuracy_costs.py" cost.png 10s && [ -s free_body.png ] && [ -s cost.png ])
 }
 
 for route in ${*:-cmake fetch-c fetch-fortran subdirectory fpm meson read-only gfortran-11 flang levels mpich openmpi cmake-mpi \
