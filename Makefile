@@ -9,6 +9,7 @@
 #            SETUP=no       install and fetch nothing; say what is missing
 #            EXTRA_FLAGS    added to the compiler's flags
 #            SUITE          of make test: the suite, or suite and test, to run
+#            ROUTES         of make check-routes: these only, "cmake wheel" say (the list is at the head of tools/routes.sh)
 #            PICTURES=no    of make demo: without gnuplot
 #            PREFIX         of make install and uninstall: where to (/usr/local); DESTDIR in front of it; LIBDIR (lib) and
 #                           MODDIR, of .mod files (include/poinsot), under PREFIX or absolute
@@ -21,6 +22,7 @@ DESTDIR ?=
 LIBDIR ?= lib
 MODDIR ?= include/poinsot
 SUITE ?=
+ROUTES ?=
 MPI ?=
 BUILD ?= build
 export FC PORTABLE TARGET EXTRA_FLAGS PICTURES BUILDER BUILD SETUP
@@ -52,7 +54,7 @@ check-deep: build ## all tests, long ones too; sanitizers, valgrind, flags, cove
 	@tools/deep.sh
 
 check-routes: build ## every way to build and to link: CMake, FetchContent, fpm, Meson, levels, both MPIs, ...; code 77 if tools are missing
-	@tools/routes.sh
+	@tools/routes.sh $(ROUTES)
 
 test-mpi: ## set up MPI, build with MPI=1, run the tests of several processes
 	@$(MAKE) --no-print-directory build MPI=1

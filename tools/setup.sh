@@ -120,14 +120,16 @@ describe() {
 
 # Install the needs named, or stop and say what to do.
 install() {
+   with=$(manager)
+   case " $* " in *" compiler "*)
+      [ "$FC" = gfortran ] || ! have "$FC" || compiler_works || stop_with_log "FC=$FC does not compile here:"
+      [ "$FC" = gfortran ] || stop "FC=$FC is not in the PATH; without FC= it is gfortran, which ${with:-the package manager} can install" ;;
+   esac
    if [ "${SETUP:-yes}" = no ]; then
-      with=$(manager)
-      stop "to be installed by hand (SETUP=no): $(for it in "$@"; do package "${with:-none}" "$it"; done | tr '\n' ' ')" \
+      stop "to be installed by hand (SETUP=no): $([ -z "$with" ] || for it in "$@"; do package "$with" "$it"; done | tr '\n' ' ')" \
          "$(for it in "$@"; do describe "$it"; done | sed '2,$s/^/       /')"
    fi
    for it in "$@"; do say "missing: $(describe "$it")"; done
-   case " $* " in *" compiler "*) [ "$FC" = gfortran ] || stop "FC=$FC does not work here; FC=gfortran could be installed" ;; esac
-   with=$(manager)
    [ -n "$with" ] || stop "to be installed by hand: the above; there is no package manager that I know (apt, dnf, brew, conda)"
    packages=$(for it in "$@"; do package "$with" "$it"; done | tr '\n' ' ')
    case $with in
@@ -274,7 +276,6 @@ choose_builder() {
    done
    if [ $builder = cmake ]; then
       cmake_works || stop "to be installed by hand: CMake $oldest_cmake or newer${why:+ ($why)}"
-      [ -z "$why" ] || say "building by CMake ($why)"
    fi
    mkdir -p "$BUILD" && echo $builder >"$BUILD/builder" || stop "no permission to write to $BUILD: choose another folder with BUILD="
 }
@@ -325,7 +326,9 @@ test_drive_needs() {
       clone_test_drive || place_stand_in
    fi
    if is_stand_in; then
-      say "test-drive: the stand-in of tools/testdrive (its repository did not answer; 'make distclean' asks again)"
+      asked="its repository did not answer; 'make distclean' asks again"
+      [ "${SETUP:-yes}" != no ] || asked="SETUP=no: its repository is not asked"
+      say "test-drive: the stand-in of tools/testdrive ($asked)"
    else
       say "test-drive: the original, version $(sed -n 's/^version *= *"\(.*\)".*/\1/p' $test_drive/fpm.toml)"
    fi
@@ -345,6 +348,7 @@ choose_builder "$@"
 ! compiler_works || compiler_is_new_enough
 system_needs "$@"
 compiler_is_new_enough
+[ $builder = fpm ] || [ -z "$why" ] || say "building by CMake ($why)"
 if [ $builder = fpm ]; then
    fpm_needs
    test_drive_needs
