@@ -215,6 +215,11 @@ unload() {
    "$CC" -std=c99 -D_POSIX_C_SOURCE=200809L test/consumer/unload.c -o $work/build/unload -ldl &&
       OMP_NUM_THREADS=3 $work/build/unload "$prefix/lib/libpoinsot.so"
 }
+# A plugin that holds the static library, as docs/hosts.md says: it stays, and so do its threads.
+unload_static() {
+   eval "$CC -shared -o $work/build/plugin.so -Wl,-z,nodelete -Wl,--whole-archive -l:libpoinsot.a -Wl,--no-whole-archive \
+      $(config --libs --static | sed 's/-lpoinsot//')" && OMP_NUM_THREADS=3 $work/build/unload $work/build/plugin.so
+}
 no_component() { ! cmake -S test/consumer -B $work/nonsense -DCMAKE_PREFIX_PATH="$prefix" -DWITH=nonsense; }
 # Another place for libraries and modules, in another prefix; with what was installed by an earlier series.
 elsewhere() {
@@ -263,6 +268,7 @@ if have pkg-config; then
    if [ -n "$have_api" ]; then
       expect "c-shared-by-pkg-config" shared_c
       [ "$(uname)" = Darwin ] || expect "c-static-by-pkg-config" static_c
+      [ "$(uname)" != Linux ] || expect "unload-static" unload_static
       if static_works; then expect "c-static-whole" static_whole; else skip "c-static-whole" "no static libc or LAPACK"; fi
       [ "$(uname)" != Linux ] || expect "lapack-of-8-byte-integers" ilp64
       expect "header-for-bindings" bindings_header

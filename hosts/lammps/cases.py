@@ -1,5 +1,7 @@
 """The systems that check.py runs: `python cases.py CASE OUT [key=value ...]`, each in a process of its own; it writes
 OUT.RANK.npz."""
+import ctypes
+import os
 import sys
 import time
 import numpy as np
@@ -211,6 +213,55 @@ def free(options):
     return dict(ns=1e9 * least / (50 * 8000))
 
 
+def many(options):
+    """Enough free bodies that a team of threads starts (OMP_NUM_THREADS), 20 steps: ellipsoids of two shapes, or with `rigid=yes` bent
+    molecules of three sites. States by identity, LAMMPS's number of threads and how many the process has at the end."""
+    steps = int(options.get("steps", 20))
+    lmp = start(options)
+    if "rigid" in options:
+        edge = 28
+        lmp.commands_string(f"""
+            units lj
+            atom_style molecular
+            region box block 0 {4 * edge} 0 {4 * edge} 0 {4 * edge}
+            create_box 1 box
+            mass 1 1
+            """)
+        centres = 4.0 * np.stack(np.meshgrid(*3 * [np.arange(edge) + 0.5], indexing="ij"), axis=-1).reshape(-1, 1, 3)
+        x = centres + np.array([[0.0, 0.1, 0.0], [0.8, -0.2, 0.1], [-0.7, -0.3, 0.2]])
+        n = x.size // 3
+        lmp.create_atoms(n, list(range(1, n + 1)), [1] * n, list(x.ravel()))
+        lmp.scatter_atoms("molecule", 0, 1, (ctypes.c_int * n)(*(1 + i // 3 for i in range(n))))
+    else:
+        lmp.commands_string("""
+            units lj
+            atom_style ellipsoid
+            lattice sc 0.001
+            region box block 0 36 0 36 0 36
+            create_box 2 box
+            create_atoms 1 box
+            set type 1 type/fraction 2 0.5 4711
+            set group all mass 5
+            set type 1 shape 1.0 1.5 2.2
+            set type 2 shape 2.0 1.2 1.4
+            set group all quat/random 8161
+            set group all angmom 0.4 -0.3 0.8
+            """)
+    lmp.commands_string(f"""
+        pair_style none
+        comm_modify cutoff 5
+        velocity all create 1 4711
+        timestep 0.05
+        compute q all property/atom {"x y z vx vy vz" if "rigid" in options else "quatw quati quatj quatk angmomx angmomy angmomz x y z"}
+        fix 1 all {options["fix"]}
+        run {steps}
+        """)
+    ids = np.array(lmp.numpy.extract_atom("id"))[: lmp.extract_setting("nlocal")]
+    lmp.command("run 0 pre no")
+    state = np.array(lmp.numpy.extract_compute("q", 1, 2))[: len(ids)][np.argsort(ids)]
+    return dict(state=state, threads=lmp.extract_setting("nthreads"), tasks=len(os.listdir("/proc/self/task")))
+
+
 def gay_berne(options):
     """343 prolate ellipsoids at liquid density, Gay-Berne forces: the total energy through the run, and seconds a step."""
     dt, steps, every = float(options.get("dt", 0.002)), int(options.get("steps", 2000)), 10
@@ -282,6 +333,6 @@ def unload(options):
 if __name__ == "__main__":
     case, out = sys.argv[1:3]
     options = dict(word.split("=", 1) for word in sys.argv[3:])
-    cases = {"tumbling": tumbling, "water": rigid_water, "co2": carbon_dioxide, "gay-berne": gay_berne, "free": free, "unload": unload}
+    cases = {"tumbling": tumbling, "water": rigid_water, "co2": carbon_dioxide, "gay-berne": gay_berne, "free": free, "many": many, "unload": unload}
     found = cases[case](options)
     np.savez(f"{out}.{found.pop('rank', 0)}.npz", **found)

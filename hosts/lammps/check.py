@@ -21,11 +21,11 @@ def check(name, good, what):
     print(f"   ... {name} [{'PASSED' if good else 'FAILED'}]  {what}", flush=True)
 
 
-def run(case, how="stock", host="package", ranks=1, must_fail=False, **options):
+def run(case, how="stock", host="package", ranks=1, threads=1, must_fail=False, **options):
     """One case in a process of its own; how: stock, preload (the library) or plugin. What it found (a list of it if ranks are many), and
     its report; with must_fail, what it printed."""
     out = os.path.join(folder, f"{case}-{how}-{ranks}-{len(os.listdir(folder))}")
-    environment = dict(os.environ)
+    environment = dict(os.environ, OMP_NUM_THREADS=str(threads))
     if how == "preload":
         environment["LD_PRELOAD"] = str(preload)
     if how == "plugin":
@@ -118,6 +118,17 @@ def energy_kept(name, found, good, what):
     check(name, good and kept, f"linear bodies, 20000 steps: energy {energy[0]:.3f} to {energy[-1]:.3f}; {what}")
 
 
+def same_by_threads(name, fix, **options):
+    """LAMMPS takes its number of threads from OMP_NUM_THREADS where it was built with OpenMP, and the fix takes it from LAMMPS."""
+    found = {threads: run("many", "plugin", "tree", threads=threads, fix=fix, **options)[0] for threads in (1, 2, 3)}
+    if found[2]["threads"] != 2:
+        print(f"   ... {name} [SKIPPED]  this LAMMPS is without OpenMP")
+        return
+    one, tasks = found[1]["state"], [int(found[threads]["tasks"]) for threads in (1, 2, 3)]
+    check(name, all(np.array_equal(one, found[threads]["state"]) for threads in (2, 3)) and tasks[0] < tasks[1] < tasks[2],
+          f"{fix}, {len(one)} rows on 1, 2 and 3 threads: the same bits ({tasks[0]}, {tasks[1]}, {tasks[2]} threads in the process)")
+
+
 def check_nve_plugin():
     how = dict(how="plugin", host="tree")
     stock, _ = run("tumbling", host="tree")
@@ -136,6 +147,8 @@ def check_nve_plugin():
     still, moving = slice(0, None, 2), slice(1, None, 2)
     check("plugin-group", np.array_equal(ours["before"][still], ours["after"][still]) and tumbling_error(ours, moving) <= 1e-11,
           f"a group: its error {tumbling_error(ours, moving):.1e}, the others as they were")
+
+    same_by_threads("plugin-threads", "nve/poinsot")
 
     stock, _ = run("gay-berne", host="tree")
     ours, _ = run("gay-berne", fix="nve/poinsot", **how)
@@ -165,6 +178,7 @@ def check_rigid_plugin():
     gap = np.abs(ours["pressure"] - stock["pressure"])[:20].max() / np.std(stock["pressure"])
     check("rigid-plugin-pressure", gap <= 0.1,
           f"the first 200 fs at 1 fs a step: pressures differ by {gap:.2g} of their standard deviation, {np.std(stock['pressure']):.0f} atm")
+    same_by_threads("rigid-plugin-threads", "rigid/small/poinsot molecule", rigid="yes")
     ours, _ = run("co2", fix="rigid/small/poinsot molecule", **how)
     energy_kept("rigid-plugin-co2", ours, True, "rigid/small/poinsot")
     if mpirun != "none":

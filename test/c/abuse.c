@@ -710,6 +710,11 @@ static void rounding(void) {
   poinsot_bodies view;
   double y[n][3], q[n][4];
   int k, i, status, got[4], each[n];
+  volatile double sum = 1;
+  fesetround(FE_UPWARD);
+  sum += 1e-20;
+  fesetround(FE_TONEAREST);
+  if (sum == 1) return; /* valgrind rounds to nearest whatever is asked for */
   CHECK(poinsot_body_create(moments, &body) == POINSOT_OK);
   CHECK(poinsot_plan_create(&plan) == POINSOT_OK);
   CHECK(poinsot_plan_add_class(plan, moments, NULL) == POINSOT_OK);
