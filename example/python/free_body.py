@@ -34,8 +34,10 @@ except ImportError:
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 
-figure = pyplot.figure(figsize=(12, 4))
+figure = pyplot.figure(figsize=(12, 4.4), layout="constrained")
 for i, axis in enumerate(axes):
-    sphere = figure.add_subplot(1, 3, i + 1, projection="3d", box_aspect=(1, 1, 1), title=f"axis {i + 1}")
+    sphere = figure.add_subplot(1, 3, i + 1, projection="3d", box_aspect=(1, 1, 1), title=f"axis {i + 1} of the body")
     sphere.plot(*axis, linewidth=0.7)
+    ends = dict(zip(("xlim", "ylim", "zlim"), 3*[(-1, 1)]), **dict(zip(("xticks", "yticks", "zticks"), 3*[(-1, 0, 1)])))
+    sphere.set(**ends, xlabel="x", ylabel="y", zlabel="z")
 figure.savefig(sys.argv[1] if len(sys.argv) > 1 else "free_body.png", dpi=150)
