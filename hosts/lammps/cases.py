@@ -214,12 +214,13 @@ def free(options):
 
 
 def many(options):
-    """Enough free bodies that a team of threads starts (OMP_NUM_THREADS), 20 steps: ellipsoids of two shapes, or with `rigid=yes` bent
-    molecules of three sites. States by identity, LAMMPS's number of threads and how many the process has at the end."""
+    """Enough free bodies that a team of threads starts (OMP_NUM_THREADS): ellipsoids of two shapes, or with `rigid=yes` bent
+    molecules of three sites. States by identity, LAMMPS's number of threads, and of how many the team was."""
     steps = int(options.get("steps", 20))
     lmp = start(options)
+    before = len(os.listdir("/proc/self/task"))
     if "rigid" in options:
-        edge = 28
+        edge = 44
         lmp.commands_string(f"""
             units lj
             atom_style molecular
@@ -237,7 +238,7 @@ def many(options):
             units lj
             atom_style ellipsoid
             lattice sc 0.001
-            region box block 0 36 0 36 0 36
+            region box block 0 44 0 44 0 44
             create_box 2 box
             create_atoms 1 box
             set type 1 type/fraction 2 0.5 4711
@@ -259,7 +260,7 @@ def many(options):
     ids = np.array(lmp.numpy.extract_atom("id"))[: lmp.extract_setting("nlocal")]
     lmp.command("run 0 pre no")
     state = np.array(lmp.numpy.extract_compute("q", 1, 2))[: len(ids)][np.argsort(ids)]
-    return dict(state=state, threads=lmp.extract_setting("nthreads"), tasks=len(os.listdir("/proc/self/task")))
+    return dict(state=state, threads=lmp.extract_setting("nthreads"), team=1 + len(os.listdir("/proc/self/task")) - before)
 
 
 def gay_berne(options):
