@@ -277,7 +277,7 @@ choose_builder() {
    if [ $builder = cmake ]; then
       cmake_works || stop "to be installed by hand: CMake $oldest_cmake or newer${why:+ ($why)}"
    fi
-   mkdir -p "$BUILD" && echo $builder >"$BUILD/builder" || stop "no permission to write to $BUILD: choose another folder with BUILD="
+   { mkdir -p "$BUILD" && echo $builder >"$BUILD/builder"; } 2>/dev/null || stop "no permission to write to $BUILD: choose another folder with BUILD="
 }
 
 fortitude_needs() {
