@@ -29,6 +29,7 @@ contains
          new_unittest("json-text", test_text), &
          new_unittest("json-numbers", test_numbers), &
          new_unittest("page-of-a-run", test_page), &
+         new_unittest("page-of-two-bodies", test_two), &
          new_unittest("page-made-anew", test_anew), &
          new_unittest("many-outputs-and-bodies", test_many)]
    end subroutine collect_view
@@ -70,6 +71,29 @@ contains
                   "the times")
       call expect(error, index(page, "H/H") > 0, "no change of the energy")
    end subroutine test_page
+
+   !> Two bodies have energies of their own; shapes, words and a direction that turns are told.
+   subroutine test_two(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: page
+      call run_text("two", "! Two <bodies>." // achar(10) // "!" // achar(10) // &
+         "!Look for: ""them""." // achar(10) // "&scene t_end = 1, h = 0.5 / " // &
+         "&bodies shape = 'cylinder', size = 1, 2, y = 0, 0, 0 / " // &
+         "&bodies moments = 1, 2, 2, drawn = 'racket', y = 1, 0, 0 / " // &
+         "&spring stiffness = -1, direction = 1, 0, 0, rate = 0.05, class = 1 / " // &
+         "&output every = 0.5, pictures = 'none', restart = '' /", page, error)
+      if (allocated(error)) return
+      call expect(error, index(page, """words"": ""Two \u003Cbodies\u003E.\u000A\u000ALook " // &
+                  "for: \u0022them\u0022.\u000A""") > 0, "the words of the scene")
+      call expect(error, index(page, """kinetic"": [0.5,0.5,0.5]") > 0, "the second's energy")
+      call expect(error, index(page, """potential"": [0,0,0]") > 0, "the second's potential")
+      call expect(error, index(page, """shape"": ""cylinder"", ""size"": [1,2,0]") > 0, &
+                  "the shape that was told")
+      call expect(error, index(page, """shape"": ""racket""") > 0, "the shape to be drawn")
+      call expect(error, index(page, """kind"": ""turning""") > 0, "no direction that turns")
+      call expect(error, index(page, """frame"": {""name"": ""spring"", ""axis"": [0,0,1], " // &
+                  """rate"": 0.05, ""phase"": 0,") > 0, "how the direction turns")
+   end subroutine test_two
 
    !> The same data in another template; a folder without a page is refused.
    subroutine test_anew(error)

@@ -32,6 +32,7 @@ contains
       real(dp), allocatable :: values(:)
       bodies%line = group%line
       bodies%convention = word_of(group, "convention")
+      bodies%drawn = word_of(group, "drawn")
       call integer_of(group, "count", 1_i8, most_bodies, bodies%count, error)
       if (.not. raised(error)) call build_lattice(group, bodies, error)
       if (.not. raised(error)) call find_moments(group, bodies, error)

@@ -34,6 +34,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(effect_info), allocatable :: effects(:)
       scene%file = source%file
+      scene%head = source%head
       scene%name = base_name(source%file)
       call effect_table(effects)
       call check_groups(source, effects, error)

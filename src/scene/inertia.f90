@@ -127,6 +127,8 @@ contains
       mass = number_of(group, "mass")
       if (shape_sizes(name) == 0 .and. .not. given(group, "mass")) mass = 0
       call shape_moments(name, mass, lengths, bodies%moments, error)
+      bodies%shape = name
+      bodies%lengths = lengths
       call relabel(group, "shape", error)
    end subroutine from_shape
 

@@ -72,7 +72,9 @@ contains
          number_key("position", 3, 3, "0,0,0", "length", "of the first body (pictures; dipoles)"), &
          number_key("spacing", 3, 3, "0,0,0", "length", "from one body to the next"), &
          number_key("lattice", 3, 3, "", "integer", &
-            "so many bodies along each axis, spacing(1..3) apart; instead of count")]
+            "so many bodies along each axis, spacing(1..3) apart; instead of count"), &
+         text_key("drawn", "natural", "natural box ellipsoid cylinder racket", &
+            "what view.html shows; natural: the shape, or one with these moments")]
    end subroutine bodies_keys
 
    !> Describe a key that takes .true. or .false.

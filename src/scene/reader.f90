@@ -15,7 +15,7 @@ module poinsot_scene_reader
    use poinsot_scene_source, only: scene_entry, scene_group, scene_source, append, reject
    use poinsot_scene_load, only: load_text
    use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, scan_name, &
-      scan_subscript, longest_name
+      scan_subscript, longest_name, newline
    use poinsot_scene_values, only: scan_list
    implicit none(type, external)
    private
@@ -47,6 +47,8 @@ contains
       allocate (source%groups(0:0))
       deallocate (source%groups)
       call open_cursor(text, file, here, error)
+      source%head = ""
+      if (.not. raised(error)) source%head = head_of(here%text)
       do while (.not. raised(error))
          call skip(here)
          if (here%at > len(here%text)) exit
@@ -63,6 +65,26 @@ contains
          call reject(error, file, 0, "holds no group; a scene has at least &scene and &bodies")
       end if
    end subroutine scan_source
+
+   !> The comment lines that a text begins with, without `!` and the blank behind it.
+   pure function head_of(text) result(head)
+      character(*), intent(in) :: text
+      character(:), allocatable :: head
+      integer :: from, to
+      head = ""
+      from = 1
+      do while (from <= len(text))
+         if (text(from:from) /= "!") exit
+         to = index(text(from:), newline) + from - 1
+         if (to < from) to = len(text) + 1
+         from = from + 1
+         if (from < to) then
+            if (text(from:from) == " ") from = from + 1
+         end if
+         head = head // text(from:to - 1) // newline
+         from = to + 1
+      end do
+   end function head_of
 
    !> `&name ... /`, the cursor on the ampersand.
    subroutine scan_group(here, group, error)

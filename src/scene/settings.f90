@@ -30,6 +30,9 @@ module poinsot_scene_settings
       character(:), allocatable :: note       !! what was made of a value, if anything
       integer :: random = random_none
       real(dp) :: temperature = 0             !! k T
+      character(:), allocatable :: shape      !! if the moments are a shape's
+      real(dp) :: lengths(3) = 0              !! of the shape, as its help says
+      character(:), allocatable :: drawn      !! how its page shows it
       real(dp) :: position(3) = 0             !! of the first body
       real(dp) :: spacing(3) = 0              !! from one to the next
       integer :: lattice(3) = 0               !! bodies along each axis; 0: a chain
@@ -74,6 +77,7 @@ module poinsot_scene_settings
    type :: scene_settings
       character(:), allocatable :: file       !! where it was read
       character(:), allocatable :: name       !! the file's name without folder and ending
+      character(:), allocatable :: head       !! what the file says of itself, at its beginning
       real(dp) :: t_end = 0
       real(dp) :: h = 0                       !! 0: free bodies go from output to output
       character(:), allocatable :: method, splitting

@@ -44,6 +44,7 @@ module poinsot_scene_source
    !> A whole file.
    type :: scene_source
       character(:), allocatable :: file !! as named by the user, for messages
+      character(:), allocatable :: head !! the comment that it begins with, without its marks
       integer :: count = 0              !! how many of `groups` are in use
       type(scene_group), allocatable :: groups(:)
    end type scene_source

@@ -86,9 +86,13 @@ contains
       if (has(view, "rotating")) call follow_turning(view, states, kinetic, potential, ranks)
       allocate (rows(row_size, size(view%bodies)), source=0.0_dp)
       call collect(ranks, states, kinetic, potential, int(view%bodies, i8), rows)
-      view%last = view_frame(t, [merge(view%turning_change, drift%energy_change, &
-         has(view, "rotating")), drift%casimir_change, drift%vertical_change], &
-         rows(1:3, :), rows(4:7, :), rows(8, :), rows(9, :))
+      view%last%t = t
+      view%last%change = [merge(view%turning_change, drift%energy_change, &
+         has(view, "rotating")), drift%casimir_change, drift%vertical_change]
+      view%last%y = rows(1:3, :)
+      view%last%q = rows(4:7, :)
+      view%last%kinetic = rows(8, :) ! gfortran 12 takes the wrong numbers of such a section
+      view%last%potential = rows(9, :) ! in a structure constructor
       view%seen = view%seen + 1
       if (mod(view%seen - 1, view%stride) /= 0) return
       if (view%n == size(view%frames)) then
@@ -239,6 +243,7 @@ contains
       about = about // ", poinsot " // version_text
       call put(file, "{""title"": " // quoted_json(scene%name) // ", ""about"": " // &
                quoted_json(about) // ",", error)
+      call put(file, """words"": " // quoted_json(scene%head) // ",", error)
       call put(file, """axis"": " // numbers_json(scene%output%axis, 9) // ",", error)
       call put(file, view_setting(scene), error)
       call put_series(file, """t"": ", [(t_of(k), k=1, n)], 10, ",", error)

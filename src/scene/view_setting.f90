@@ -4,7 +4,7 @@ module poinsot_scene_view_setting
    use poinsot_core_kinds, only: dp
    use poinsot_scene_integrals, only: vector_in, number_in, text_in, any_of
    use poinsot_scene_json, only: numbers_json, number_json
-   use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_settings, only: scene_settings, effect_setting
    implicit none(type, external)
    private
    public :: view_setting, body_vectors
@@ -28,28 +28,33 @@ contains
                if (any_of(item, "times") .and. kind == "gyrostat") kind = "other"
             case ("gravity")
                if (any_of(item, "rate")) then
-                  if (kind /= "top") kind = "other"
+                  call add_turning(item, "up", kind, text)
                   cycle
                end if
                kind = "top"
                if (index(text, """up""") == 0) text = text // """up"": " // &
                   numbers_json(vector_in(item, "up"), 9) // ", "
+            case ("spring")
+               call add_turning(item, "direction", kind, text)
             case ("field")
                if (kind /= "top") kind = "field"
                if (index(text, """field""") > 0) cycle
                text = text // """field"": {""motion"": """ // text_in(item, "motion") // &
                   """, ""strength"": " // numbers_json(vector_in(item, "strength"), 9) // &
                   ", ""frequency"": " // number_json(number_in(item, "frequency"), 9) // &
+                  ", ""phase"": " // number_json(number_in(item, "phase"), 9) // &
                   ", ""axis"": " // numbers_json(vector_in(item, "axis"), 9) // "}, "
             case ("gravity_gradient")
                if (kind == "top") cycle
                kind = "other"
                if (text_in(item, "orbit") /= "circular") cycle
                kind = "orbit"
-               if (index(text, """orbit""") > 0) cycle
-               text = text // """orbit"": {""axis"": " // &
+               if (index(text, """frame""") > 0) cycle
+               text = text // """frame"": {""axis"": " // &
                   numbers_json(vector_in(item, "normal"), 9) // ", ""rate"": " // &
-                  number_json(number_in(item, "rate"), 9) // ", ""radius"": " // &
+                  number_json(number_in(item, "rate"), 9) // ", ""phase"": " // &
+                  number_json(number_in(item, "anomaly"), 9) // ", ""eccentricity"": " // &
+                  number_json(number_in(item, "eccentricity"), 9) // ", ""direction"": " // &
                   numbers_json(vector_in(item, "radial"), 9) // "}, "
             case default
                if (kind == "free" .or. kind == "gyrostat") kind = "other"
@@ -58,6 +63,22 @@ contains
       end do
       text = text // """kind"": """ // kind // ""","
    end function view_setting
+
+   !> A direction in space that turns: the motion is seen from the frame that turns with it.
+   subroutine add_turning(item, key, kind, text)
+      type(effect_setting), intent(in) :: item
+      character(*), intent(in) :: key !! of the direction
+      character(:), allocatable, intent(inout) :: kind, text
+      if (kind /= "top" .and. kind /= "orbit") kind = "other"
+      if (kind /= "other" .or. .not. any_of(item, "rate")) return
+      kind = "turning"
+      if (index(text, """frame""") > 0) return
+      text = text // """frame"": {""name"": """ // item%name // """, ""axis"": " // &
+         numbers_json(vector_in(item, "about"), 9) // ", ""rate"": " // &
+         number_json(number_in(item, "rate"), 9) // ", ""phase"": " // &
+         number_json(number_in(item, "phase"), 9) // ", ""eccentricity"": 0, ""direction"": " // &
+         numbers_json(vector_in(item, key), 9) // "}, "
+   end subroutine add_turning
 
    !> ", "centre": [...]" and so on: the body vectors of a group.
    function body_vectors(scene, group) result(text)
@@ -77,13 +98,23 @@ contains
             if (.not. any(nint(number_in(item, "class")) == [0, group])) cycle
             if (item%name == "gravity") centre = centre + vector_in(item, "centre")
             if (item%name == "gyrostat") rotor = rotor + vector_in(item, "rotor")
-            if (item%name == "field") dipole = dipole + vector_in(item, "dipole")
+            if (item%name == "field" .or. item%name == "dipoles") dipole = dipole + &
+               vector_in(item, "dipole")
          end associate
       end do
       text = ", ""axis"": " // along_axes(scene%output%axis)
-      if (norm2(dipole) > 0) text = ", ""axis"": " // along_axes(dipole)
+      if (norm2(dipole) > 0) text = ", ""axis"": " // along_axes(dipole) // &
+         ", ""dipole"": " // along_axes(dipole)
       if (heavy) text = text // ", ""centre"": " // along_axes(centre)
       if (norm2(rotor) > 0) text = text // ", ""rotor"": " // along_axes(rotor)
+      associate (bodies => scene%bodies(group))
+         if (bodies%drawn /= "natural") then
+            text = text // ", ""shape"": """ // bodies%drawn // """"
+         else if (allocated(bodies%shape)) then
+            text = text // ", ""shape"": """ // bodies%shape // """, ""size"": " // &
+               numbers_json(bodies%lengths, 9)
+         end if
+      end associate
 
    contains
 

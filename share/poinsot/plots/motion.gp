@@ -33,6 +33,26 @@ moving(b, j) = principal(b, j) - rotors[3*group(b) - 3 + j]
 stats file skip 1 every bodies using 1 name 'T' nooutput
 t_first = T_min; t_last = T_max > T_min ? T_max : T_min + 1
 
+# `eval arcs('block', k, 'x', 'y', 'z')`: the curve of a unit vector of row k of the frames, from output to output along great
+# circles, as a data block. x, y, z say it of a row; where they are undefined the curve is broken.
+outputs = T_records
+array arc_x[outputs]
+array arc_y[outputs]
+array arc_z[outputs]
+arc_row(x,y,z) = (arc_x[int($0) + 1] = x, arc_y[int($0) + 1] = y, arc_z[int($0) + 1] = z, 1)
+arc_at(i) = smaller(int(i) + 1, larger(outputs - 1, 1))
+arc_to(i) = smaller(arc_at(i) + 1, outputs)
+arc_angle(n,m) = atan2(length(arc_y[n]*arc_z[m] - arc_z[n]*arc_y[m], arc_z[n]*arc_x[m] - arc_x[n]*arc_z[m], \
+   arc_x[n]*arc_y[m] - arc_y[n]*arc_x[m]), arc_x[n]*arc_x[m] + arc_y[n]*arc_y[m] + arc_z[n]*arc_z[m])
+part(s,w) = w > 1e-6 && w < 3.14 ? sin(s*w)/sin(w) : s
+between(i,a,b) = (s = i + 1 - arc_at(i), w = arc_angle(arc_at(i), arc_to(i)), part(1 - s, w)*a + part(s, w)*b)
+arcs(block, k, x, y, z) = sprintf("stats file skip 1 every bodies::%d using (arc_row(%s, %s, %s)) nooutput; widest = 0; " . \
+   "do for [n=1:outputs-1] { w = arc_angle(n, n+1); if (w == w) { widest = larger(widest, w) } }; " . \
+   "set samples larger(outputs-1, 1)*int(larger(1, smaller(smaller(40, 40000.0/outputs), ceil(widest/0.04)))) + 1; " . \
+   "set table $%s separator comma; plot [i=0:larger(outputs-1, 1)] '+' " . \
+   "using (between($1, arc_x[arc_at($1)], arc_x[arc_to($1)])):(between($1, arc_y[arc_at($1)], arc_y[arc_to($1)]))" . \
+   ":(between($1, arc_z[arc_at($1)], arc_z[arc_to($1)])) with table; unset table", k, x, y, z, block)
+
 # The unit sphere seen from (az, el): projection, depth; near and far side.
 px(x,y,z) = -sin(az)*x + cos(az)*y
 py(x,y,z) = -cos(az)*sin(el)*x - sin(az)*sin(el)*y + cos(el)*z

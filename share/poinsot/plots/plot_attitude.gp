@@ -12,7 +12,17 @@ lx = up*lx/unit; ly = up*ly/unit; lz = up*lz/unit
 # Seen from the side: two of the three axes run around the momentum.
 az = (largest > 0 && lz < 0.99 ? atan2(ly, lx) : 10*pi/180) + 55*pi/180
 el = 16*pi/180
+along_axis(what, j) = sprintf('%s(%d,%d,%d)', what, j == 1, j == 2, j == 3)
+do for [j=1:3] { eval arcs(sprintf('path_%d', j), body, along_axis('X', j), along_axis('Y', j), along_axis('Z', j)) }
 inside(x) = larger(-1.02, smaller(1.02, x))
+
+begins = "file skip 1 every ::body::body using (%s(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))):" . \
+   "(py(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))) with points "
+curves(j) = 'plot ' . wires_far . ', ' . wires_near . ', ' . outline . ', ' . \
+   sprintf("$path_%d using (far($1,$2,$3)):(py($1,$2,$3)) with lines lc rgb pale lw 1.2, ", j) . \
+   sprintf("$path_%d using (near($1,$2,$3)):(py($1,$2,$3)) with lines lc rgb dark lw 1.8, ", j) . \
+   sprintf(begins, 'far') . 'pt 6 ps 1 lw 1.4 lc rgb dark, ' . \
+   sprintf(begins, 'near') . "pt 7 ps 1.4 lc rgb '#ffffff', " . sprintf(begins, 'near') . 'pt 7 ps 1 lc rgb dark'
 
 do for [kind in kinds] {
    if (!can_draw(kind)) { continue }
@@ -28,17 +38,7 @@ do for [kind in kinds] {
    do for [j=1:3] {
       title = turned[group(b)] ? sprintf('body axis %d', j) : sprintf('body axis %d,  I_%d = %g', j, j, moment(b, j))
       set label 2 title at 0,-1.25 center
-      plot @wires_far, @wires_near, @outline, \
-         file skip 1 every bodies::body using (far(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))): \
-            (py(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))) with lines lc rgb pale lw 1.2, \
-         '' skip 1 every bodies::body using (near(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))): \
-            (py(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))) with lines lc rgb dark lw 1.8, \
-         '' skip 1 every ::body::body using (far(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))): \
-            (py(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))) with points pt 6 ps 1 lw 1.4 lc rgb dark, \
-         '' skip 1 every ::body::body using (near(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))): \
-            (py(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))) with points pt 7 ps 1.4 lc rgb '#ffffff', \
-         '' skip 1 every ::body::body using (near(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))): \
-            (py(X(j==1,j==2,j==3),Y(j==1,j==2,j==3),Z(j==1,j==2,j==3))) with points pt 7 ps 1 lc rgb dark
+      eval curves(j)
    }
    unset multiplot
    unset output

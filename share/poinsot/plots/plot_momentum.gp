@@ -61,6 +61,7 @@ lines = "for [g=-1:1:2] for [k=1:4] [s=0:2*pi] '+' using (C1x($1,k,g)):(C1y($1,k
    "for [g=-1:1:2] [s=0:2*pi] '+' using (SX($1,g)):(SY($1,g)) with lines lc rgb '#7d7d7d' lw 1.6 dt 2"
 background = contours ? outline . ', ' . lines : wires_far . ', ' . wires_near . ', ' . outline
 
+eval arcs('path', body, 'u(1)', 'u(2)', 'u(3)')
 side(x,y,z) = depth(x,y,z) >= 0 ? 1 : -1
 name(j,g) = (g > 0 ? '' : '-') . (turned[group(b)] ? sprintf('axis %d', j) : sprintf('y_%d', j))
 
@@ -78,9 +79,9 @@ do for [kind in kinds] {
    if (turned[group(b)]) { set label 5 'principal axes' at -1.12,-1.12 tc rgb '#555555' }
    if (bodies > 1) { set label 4 sprintf('body %d', b) at -1.12,1.12 tc rgb '#555555' }
    plot @background, \
-      file skip 1 every bodies::body using (far(u(1),u(2),u(3))):(py(u(1),u(2),u(3))) with lines lc rgb pale lw 3, \
-      '' skip 1 every bodies::body using (near(u(1),u(2),u(3))):(py(u(1),u(2),u(3))) with lines lc rgb dark lw 3.5, \
-      '' skip 1 every ::body::body using (far(u(1),u(2),u(3))):(py(u(1),u(2),u(3))) with points pt 6 ps 1.1 lw 2 lc rgb dark, \
+      $path using (far($1,$2,$3)):(py($1,$2,$3)) with lines lc rgb pale lw 3, \
+      $path using (near($1,$2,$3)):(py($1,$2,$3)) with lines lc rgb dark lw 3.5, \
+      file skip 1 every ::body::body using (far(u(1),u(2),u(3))):(py(u(1),u(2),u(3))) with points pt 6 ps 1.1 lw 2 lc rgb dark, \
       '' skip 1 every ::body::body using (near(u(1),u(2),u(3))):(py(u(1),u(2),u(3))) with points pt 7 ps 1.8 lc rgb '#ffffff', \
       '' skip 1 every ::body::body using (near(u(1),u(2),u(3))):(py(u(1),u(2),u(3))) with points pt 7 ps 1.3 lc rgb dark
    unset output

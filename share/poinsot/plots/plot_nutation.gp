@@ -30,6 +30,12 @@ do for [i = 1:shown] {
    angle_low = smaller(angle_low, A_min); angle_high = larger(angle_high, A_max)
 }
 wide = larger(azimuth_high - azimuth_low, 1e-6); high = larger(angle_high - angle_low, 1e-6)
+do for [i = 1:shown] { eval arcs(sprintf('path_%d', i), first + i - 1, 'AX(1)', 'AY(1)', 'AZ(1)') }
+near_paths = ''; far_paths = ''
+do for [i = 1:shown] {
+   far_paths = far_paths . sprintf("$path_%d using (far($1,$2,$3)):(py($1,$2,$3)) with lines lc rgb pale lw 1.4, ", i)
+   near_paths = near_paths . sprintf("$path_%d using (near($1,$2,$3)):(py($1,$2,$3)) with lines lc rgb shade(%d) lw 1.9, ", i, i)
+}
 of_body = shown > 1 ? ' of bodies 1 to ' . names[shown] : bodies > 1 ? ' of body ' . names[1] : ''
 
 do for [kind in kinds] {
@@ -41,11 +47,7 @@ do for [kind in kinds] {
    set arrow 1 from 0,py(0,0,1) to 0,py(0,0,1)+0.16 lc rgb '#7d7d7d' front
    set label 1 'up' at 0.05,py(0,0,1)+0.12 tc rgb '#7d7d7d'
    set label 2 axis_name . of_body at -1.15,(shown > 1 ? -1.12 : 1.1) tc rgb '#555555'
-   plot @wires_far, @wires_near, @outline, \
-      for [i=1:shown] file skip 1 every bodies::first+i-1 using (far(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) \
-         with lines lc rgb pale lw 1.4, \
-      for [i=1:shown] file skip 1 every bodies::first+i-1 using (near(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) \
-         with lines lc rgb shade(i) lw 1.9, \
+   plot @wires_far, @wires_near, @outline, @far_paths @near_paths \
       for [i=1:shown] file skip 1 every ::first+i-1::first+i-1 using (far(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) \
          with points pt 6 ps 1.2 lw 1.6 lc rgb shade(i), \
       for [i=1:shown] file skip 1 every ::first+i-1::first+i-1 using (near(AX(1),AY(1),AZ(1))):(py(AX(1),AY(1),AZ(1))) \
