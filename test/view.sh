@@ -28,17 +28,22 @@ quiet_page() { # name, file, query: ready, no console, no request
    open_page "$2" "$3" >"$out/dom.html"
    grep -q 'data-ready="yes"' "$out/dom.html"; result "$1-ready" $?
    ! grep -E 'CONSOLE' "$out/log"; result "$1-console" $?
-   hosts >"$out/asked"
-   ! grep -vxF -f "$out/browser" "$out/asked" >"$out/requests"; result "$1-no-request" $? "$(head -c 200 "$out/requests")"
+   ! requests | grep -F -f "$out/kinds" >"$out/requests"; result "$1-no-request" $? "$(head -c 200 "$out/requests")"
 }
 
-hosts() { { echo none; grep -oE '"url":"(https?|wss?|ftp)://[^/"]*' "$out/net.json"; } | sort -u; }
+# What kind of request and where to, of a page and of the browser itself, whose own come and go.
+requests() { grep -oE '"traffic_annotation":[0-9]+,"url":"(https?|wss?|ftp)://[^/"]*' "$out/net.json" | sort -u; }
 
 at_most() { awk -v value="$1" -v bound="$2" 'BEGIN { exit !(value != "" && value + 0 <= bound) }'; }
 
-# What the browser asks for by itself.
-echo '<!doctype html><link rel="icon" href="data:,">' >"$out/empty.html"
-for round in 1 2 3; do open_page "$out/empty.html" "" >/dev/null; hosts; done | sort -u >"$out/browser"
+# The kinds that a page makes, from one that does make them.
+cat >"$out/asking.html" <<'END'
+<!doctype html><link rel="icon" href="data:,"><script src="http://page.invalid/a"></script><img src="http://page.invalid/b">
+<script>fetch("http://page.invalid/").catch(() => 0); new WebSocket("ws://page.invalid/")</script>
+END
+open_page "$out/asking.html" "" >/dev/null
+requests | grep 'page\.invalid' | grep -oE '"traffic_annotation":[0-9]+,' | sort -u >"$out/kinds"
+[ -s "$out/kinds" ]; result requests-are-seen $?
 
 for scene in free-body tennis-racket heavy-top satellite gyrostat rotating-field dipole-chain thermostat sleeping-top large-ensemble; do
    "$app" run $scene --out "$out/$scene" --no-pictures --quiet
