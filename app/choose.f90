@@ -4,7 +4,8 @@ module app_choose
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_files, only: make_folder, is_folder
    use poinsot_scene_settings, only: scene_settings
-   use poinsot_study_choose, only: choose_request, choice, choose_method, tolerance_kept
+   use poinsot_study_choice, only: choose_request, choice, tolerance_kept
+   use poinsot_study_choose, only: choose_method
    use poinsot_study_choose_text, only: choice_lines, verdict, write_chosen_scene
    use poinsot_study_fill_scene, only: text_line
    use app_arguments, only: word_list

@@ -7,8 +7,8 @@ module poinsot_study_auto
    use poinsot_scene_settings, only: scene_settings, is_auto
    use poinsot_scene_watch, only: run_watch
    use poinsot_study_candidates, only: any_name
-   use poinsot_study_choose, only: choose_request, choice, choose_method, chosen_scene, &
-      tolerance_kept
+   use poinsot_study_choice, only: choose_request, choice, chosen_scene, tolerance_kept
+   use poinsot_study_choose, only: choose_method
    use poinsot_study_choose_text, only: choice_sentence, verdict
    implicit none(type, external)
    private

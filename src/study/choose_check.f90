@@ -1,5 +1,5 @@
 !> A choice put to the test: the scene as it will be run, all its bodies from start to end, beside a
-!> reference; and how errors grow where no choice would do.
+!> reference. Bodies beyond the tolerance join those that are tried.
 module poinsot_study_choose_check
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_error, only: poinsot_error, raised
@@ -9,31 +9,81 @@ module poinsot_study_choose_check
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_states, only: body_states, first_states
    use poinsot_scene_watch, only: run_watch
+   use poinsot_study_choice, only: choose_request, choice, chosen_scene, tolerance_kept
+   use poinsot_study_choose_rank, only: no_cost
+   use poinsot_study_choose_trials, only: trials, whole_margin
    use poinsot_study_clock, only: time_limit, part_of, left_of
-   use poinsot_study_errors, only: end_state, compare_states
-   use poinsot_study_members, only: member_set
-   use poinsot_study_torque_reference, only: turn_in_time
-   use poinsot_study_torque_series, only: torque_problem, torque_problems, coarse
-   use poinsot_study_trial, only: make_plan, set_tolerance, integrate
-   use poinsot_taylor_settings, only: least_tolerance
+   use poinsot_study_errors, only: compare_states
+   use poinsot_study_members, only: member_set, draw_members
+   use poinsot_study_reference, only: reference_solution, find_reference
+   use poinsot_study_search, only: problem, price_of
+   use poinsot_study_trial, only: make_plan, trial_run, run_trial
    implicit none(type, external)
    private
-   public :: run_whole, error_growth, find_growth
+   public :: test_choice
 
-   integer, parameter :: half = 32, looks = 9*half !! at errors that grow
-   real(dp), parameter :: chaotic_gain = 30      !! in the second half of the time, at least
-   real(dp), parameter :: full_grown = 0.1_dp    !! radians
-
-   !> How the errors of the most accurate run grow.
-   type :: error_growth
-      logical :: known = .false.
-      logical :: chaotic = .false.
-      real(dp) :: fold = 0                       !! the time in which they grow e-fold
-      real(dp) :: holds = 0                      !! the tolerance holds to this time; beyond what
-         !! was followed by the growth so far
-   end type error_growth
+   integer, parameter :: worst_added = 64        !! that a test found beyond the tolerance
 
 contains
+
+   !> Run the scene as chosen, all its bodies to its end. If some are beyond the tolerance they join
+   !> those that are tried, and the search has to begin again.
+   subroutine test_choice(request, limit, watch, all, answer, again, error)
+      type(choose_request), intent(in) :: request
+      type(time_limit), intent(in) :: limit
+      class(run_watch), intent(inout) :: watch
+      type(trials), intent(inout) :: all
+      type(choice), intent(inout) :: answer
+      logical, intent(out) :: again
+      type(poinsot_error), intent(inout) :: error
+      type(body_states) :: states
+      type(member_set) :: everybody
+      type(reference_solution) :: reference
+      type(poinsot_plan) :: plan
+      type(trial_run) :: run
+      real(dp), allocatable :: angle(:), momentum(:), off(:)
+      real(dp) :: needed
+      logical :: done, known
+      again = .false.
+      answer%ended = tolerance_kept
+      answer%checked = .false.
+      needed = answer%best%run
+      known = all%task%members%given == answer%total .and. all%task%growth <= 1
+      if (.not. known) needed = needed + all%reference_seconds*all%quiet%t_end* &
+         real(answer%total, dp)
+      if (needed > 0.8_dp*left_of(limit)) return
+      call run_whole(chosen_scene(all%quiet, answer%best), limit, watch, states, done, error)
+      if (raised(error) .or. .not. done) return
+      call draw_members(all%quiet, all%kind%coupled, states%n, 0.0_dp, everybody, error)
+      if (raised(error)) return
+      if (known) then
+         reference%state%y = all%task%reference%y(:, :states%n)
+         reference%state%q = all%task%reference%q(:, :states%n)
+      else if (all%kind%free) then
+         call make_plan(all%quiet, "jacobi", "srkn6", plan, error)
+         call run_trial(plan, everybody, all%quiet%t_end, 1_i8, 1, .true., run)
+         reference%state%y = run%y
+         reference%state%q = run%q/spread(norm2(run%q, 1), 1, 4)
+      else
+         call find_reference(all%quiet, all%kind, everybody, all%quiet%t_end, 1, &
+            part_of(limit, 0.3_dp), reference, error, 0.01_dp*request%tol)
+         if (raised(error)) return
+      end if
+      call compare_states(real(states%y, qp), real(states%q, qp), reference%state, angle, momentum)
+      off = max(angle(:states%n), momentum(:states%n))
+      if (known) then
+         off = max(off, all%doubt(:states%n)) ! nobody can vouch for less
+      else if (allocated(reference%angle)) then
+         off = max(off, reference%angle, reference%momentum)
+      end if
+      answer%checked = .true.
+      answer%best%error = maxval(off)
+      again = answer%best%error > request%tol
+      if (.not. again) return
+      all%task%margin = max(all%task%margin, whole_margin*all%task%margin*min(3.0_dp, &
+         answer%best%error/request%tol))
+      call add_worst(all, everybody, off, reference)
+   end subroutine test_choice
 
    !> The scene step by step, as `poinsot run` takes it, without files. Not done when the limit is
    !> over. Error: what the engine refuses.
@@ -66,125 +116,62 @@ contains
       done = .true.
    end subroutine run_whole
 
-   !> Follow some bodies by `taylor` at its finest beside quadruple precision: do errors grow
-   !> exponentially, how fast, and how long does a tolerance hold? Each is followed until its error
-   !> is full grown, or its part of the time is over. Not known where the torques are no data.
-   subroutine find_growth(scene, members, at, tol, limit, growth)
-      type(scene_settings), intent(in) :: scene
-      type(member_set), intent(in) :: members
-      integer, intent(in) :: at(:)               !! which of them: the worst
-      real(dp), intent(in) :: tol
-      type(time_limit), intent(in) :: limit
-      type(error_growth), intent(out) :: growth
-      type(torque_problem), allocatable :: problems(:)
-      type(poinsot_plan) :: plan
-      type(poinsot_error) :: refused
-      real(dp) :: times(0:looks), errors(0:looks)
-      integer :: i, last
-      call make_plan(scene, "exact", "taylor", plan, refused)
-      if (.not. raised(refused)) call torque_problems(plan, problems, refused)
-      if (raised(refused)) return
-      call set_tolerance(plan, least_tolerance)
-      growth%holds = scene%t_end
-      times = scene%t_end*look_times()
-      do i = 1, size(at)
-         call errors_of(plan, problems, members, at(i), times, part_of(limit, merge(0.6_dp, &
-            1.0_dp, i < size(at))), errors, last)
-         if (last > 0) call judge_growth(times(:last), errors(:last), scene%t_end, tol, growth)
+   !> Bodies beyond the tolerance join those that are tried, the worst first; all candidates that
+   !> may still win begin again.
+   subroutine add_worst(all, everybody, off, reference)
+      type(trials), intent(inout) :: all
+      type(member_set), intent(in) :: everybody
+      real(dp), intent(in) :: off(:)
+      type(reference_solution), intent(in) :: reference
+      logical :: left(size(off))
+      real(dp) :: least
+      integer :: i, k
+      associate (task => all%task)
+         left = off > task%tol
+         if (task%growth <= 1 .and. task%members%given < everybody%n .and. &
+             task%members%together == 1) then
+            task%margin = whole_margin ! the worst are there from now on
+            do i = 1, min(worst_added, count(left))
+               k = maxloc(off, 1, mask=left)
+               left(k) = .false.
+               call put_first(everybody, k, reference, task)
+            end do
+         end if
+      end associate
+      least = no_cost
+      do i = 1, size(all%contenders)
+         associate (one => all%contenders(i))
+            if (one%met > 0) least = min(least, price_of(one, one%met))
+         end associate
       end do
-   end subroutine find_growth
-
-   !> When to look, in parts of the whole time: first at equal distances, doubled each time the time
-   !> is.
-   pure function look_times() result(times)
-      real(dp) :: times(0:looks)
-      real(dp) :: apart
-      integer :: j
-      apart = 1
-      times(0) = 0
-      do j = 1, looks
-         times(j) = times(j - 1) + apart
-         if (j >= 2*half .and. mod(j, half) == 0) apart = 2*apart
+      do i = 1, size(all%contenders)
+         associate (one => all%contenders(i))
+            one%running = one%met > 0
+            if (one%running) one%running = price_of(one, one%met) <= 3*least
+            one%failed = 0
+            one%met = 0
+            one%last = huge(one%last)
+            one%best_error = huge(one%best_error)
+            one%best_multiple = 0
+         end associate
       end do
-      times = times/times(looks)
-   end function look_times
+   end subroutine add_worst
 
-   !> What the errors of one body say.
-   pure subroutine judge_growth(times, errors, t_end, tol, growth)
-      real(dp), intent(in) :: times(0:), errors(0:)   !! one look at least behind the start
-      real(dp), intent(in) :: t_end, tol
-      type(error_growth), intent(inout) :: growth
-      real(dp) :: fold, holds, before
-      integer :: last, beyond
-      last = ubound(errors, 1)
-      beyond = findloc(errors > tol, .true., 1) - 1
-      holds = t_end
-      if (beyond > 0) holds = times(beyond - 1)
-      before = maxval(errors, mask=times <= 0.5_dp*times(last))
-      fold = 0
-      if (errors(last) > chaotic_gain*max(before, epsilon(before))) fold = fold_of(times, errors)
-      if (fold > 0) then
-         if (beyond < 0) holds = min(t_end, times(last) + fold*log(tol/errors(last)))
-         growth%chaotic = growth%chaotic .or. holds < t_end
-         if (growth%fold > 0) fold = min(fold, growth%fold)
-         growth%fold = fold
-      end if
-      growth%holds = min(holds, merge(growth%holds, t_end, growth%known))
-      growth%known = .true.
-   end subroutine judge_growth
-
-   !> Errors of one body, until they are full grown or the time is over.
-   subroutine errors_of(plan, problems, members, k, times, limit, errors, last)
-      type(poinsot_plan), intent(in) :: plan
-      type(torque_problem), intent(in) :: problems(:)
-      type(member_set), intent(in) :: members
+   !> One more of the scene's bodies among those that are tried, with its end.
+   subroutine put_first(everybody, k, reference, task)
+      type(member_set), intent(in) :: everybody
       integer, intent(in) :: k
-      real(dp), intent(in) :: times(0:looks)
-      type(time_limit), intent(in) :: limit
-      real(dp), intent(out) :: errors(0:looks)
-      integer, intent(out) :: last               !! looks that came to an end
-      type(member_set) :: one
-      type(end_state) :: state
-      real(dp), allocatable :: y(:, :), q(:, :), carry(:, :), angle(:), momentum(:)
-      real(dp) :: h
-      integer :: j
-      logical :: done
-      one%n = 1
-      one%given = 1
-      one%group = members%group(k:k)
-      y = members%y(:, k:k)
-      q = members%q(:, k:k)
-      state%y = y
-      state%q = q
-      allocate (carry(7, 1), source=0.0_dp)
-      errors = 0
-      last = 0
-      do j = 1, looks
-         call turn_in_time(problems(one%group(1)), coarse, real(times(j - 1), qp), &
-            real(times(j), qp), limit, state%y(:, 1), state%q(:, 1), done)
-         h = times(j) - times(j - 1)
-         if (done) call integrate(plan, one, h, 0_i8, 1_i8, y, q, carry, done, times(j - 1))
-         if (.not. done) return
-         call compare_states(real(y, qp), real(q, qp), state, angle, momentum)
-         errors(j) = max(angle(1), momentum(1))
-         last = j
-         if (errors(j) > full_grown) return
-      end do
-   end subroutine errors_of
-
-   !> The time of an e-fold growth: the line through the logarithms, from rounding to the end.
-   pure real(dp) function fold_of(times, errors) result(fold)
-      real(dp), intent(in) :: times(0:), errors(0:)
-      real(dp) :: t(size(times)), e(size(times)), rate
-      logical :: late(size(times))
-      late = times >= 0.25_dp*times(ubound(times, 1))
-      fold = times(ubound(times, 1))/log(max(errors(ubound(errors, 1))/epsilon(fold), 2.0_dp))
-      if (count(late) < 3) return ! full grown at the first look or two
-      t = times - sum(times, mask=late)/count(late)
-      e = log(max(errors, 1e-17_dp))
-      rate = sum(t*e, mask=late)/sum(t**2, mask=late)
-      fold = 0
-      if (rate > 0) fold = 1/rate
-   end function fold_of
+      type(reference_solution), intent(in) :: reference
+      type(problem), intent(inout) :: task
+      associate (m => task%members, r => task%reference)
+         m%group = [everybody%group(k), m%group]
+         m%y = reshape([everybody%y(:, k), m%y], [3, m%n + 1])
+         m%q = reshape([everybody%q(:, k), m%q], [4, m%n + 1])
+         r%y = reshape([reference%state%y(:, k), r%y], [3, m%n + 1])
+         r%q = reshape([reference%state%q(:, k), r%q], [4, m%n + 1])
+         m%n = m%n + 1
+         m%given = m%given + 1
+      end associate
+   end subroutine put_first
 
 end module poinsot_study_choose_check

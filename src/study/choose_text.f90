@@ -9,7 +9,7 @@ module poinsot_study_choose_text
    use poinsot_scene_summary, only: brief_number
    use poinsot_scene_text, only: text_of
    use poinsot_study_candidates, only: label_of, no_splitting
-   use poinsot_study_choose, only: choice, tolerance_kept, time_ran_out, out_of_reach, &
+   use poinsot_study_choice, only: choice, tolerance_kept, time_ran_out, out_of_reach, &
       motion_chaotic
    use poinsot_study_fill_scene, only: fill_scene, text_line, insert_line
    implicit none(type, external)
@@ -65,8 +65,8 @@ contains
          call add("measured    to t = " // text_of(answer%t_measured) // &
             "; errors are taken to grow in proportion to time")
       end if
-      if (answer%late > 0) call add("left out    " // text_of(answer%late) // &
-         " candidates, for want of time: --budget gives more")
+      if (answer%late > 0) call add("left out    " // candidates_of(answer%late) // &
+         ", for want of time: --budget gives more")
       if (answer%ended /= tolerance_kept) call add("verdict     " // verdict(scene, tol, answer))
       call add("chosen      in " // brief_number(answer%seconds) // &
          " s of the processor, among " // &
@@ -80,6 +80,14 @@ contains
       end subroutine add
 
    end subroutine choice_lines
+
+   !> "1 candidate", "7 candidates".
+   function candidates_of(n) result(text)
+      integer, intent(in) :: n
+      character(:), allocatable :: text
+      text = text_of(n) // " candidate"
+      if (n /= 1) text = text // "s"
+   end function candidates_of
 
    !> The error, and how it is known.
    function error_text(scene, answer) result(text)
@@ -122,7 +130,7 @@ contains
             brief_number(tol) // " holds to t = " // brief_number(answer%growth%holds)
       case (time_ran_out)
          text = "time ran out before any candidate came within " // brief_number(tol) // "; " // &
-            text_of(answer%late) // " were given up: --budget gives more"
+            candidates_of(answer%late) // " given up: --budget gives more"
       case (out_of_reach)
          text = "out of reach: no candidate comes within " // brief_number(tol) // &
             " with any step or tolerance"

@@ -5,6 +5,7 @@ module poinsot_study_fill_scene
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_text, only: lower
+   use poinsot_study_group_text, only: set_entry, append_entry
    implicit none(type, external)
    private
    public :: fill_scene, set_keys, text_line, insert_line, set_as_told
@@ -85,18 +86,19 @@ contains
       close (unit)
    end subroutine read_lines
 
-   !> "group.key=value" or "group(2).key=value", as --set has it, which was found right before; a
-   !> group that is not there is added.
+   !> "group.key=value", "group(2).key=value" or "group.key(2)=value", as --set has it, which was
+   !> found right before; a group that is not there is added.
    subroutine set_as_told(lines, setting)
       type(text_line), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: setting
-      character(:), allocatable :: group, key
+      character(:), allocatable :: group, key, value
       integer :: equals, dot, open, nth, code
       logical :: found
       equals = index(setting, "=")
       dot = index(setting(:equals), ".")
       group = lower(trim(adjustl(setting(:dot - 1))))
       key = lower(trim(adjustl(setting(dot + 1:equals - 1))))
+      value = trim(adjustl(setting(equals + 1:)))
       nth = 1
       open = index(group, "(")
       if (open > 0) then
@@ -104,14 +106,14 @@ contains
          if (code /= 0) nth = 1
          group = trim(group(:open - 1))
       end if
-      call set_keys(lines, group, [key], [text_line(trim(adjustl(setting(equals + 1:))))], found, &
-         nth)
+      call set_keys(lines, group, [key], [text_line(value)], found, nth)
       if (.not. found) call insert_line(lines, size(lines), "&" // group // " " // key // " = " // &
-         trim(adjustl(setting(equals + 1:))) // " /")
+         value // " /")
    end subroutine set_as_told
 
    !> Set keys of the first group of a name, or of another. A value that is there is replaced where
-   !> it stands; a key that is not there is added behind the group's name.
+   !> it stands; a key that is not there is added behind the group's name; some numbers of a key,
+   !> "moments(2)", at the group's end.
    subroutine set_keys(lines, group, keys, values, found, nth)
       type(text_line), allocatable, intent(inout) :: lines(:)
       character(*), intent(in) :: group          !! lower case
@@ -119,8 +121,9 @@ contains
       type(text_line), intent(in) :: values(:)
       logical, intent(out) :: found              !! is there such a group?
       integer, intent(in), optional :: nth       !! of that name, from 1
-      logical :: done(size(keys)), ended
-      integer :: i, k, at, first, left
+      character(:), allocatable :: text
+      integer :: k, at, first, left
+      logical :: there(size(keys))
       found = .false.
       left = 1
       if (present(nth)) left = nth
@@ -132,16 +135,54 @@ contains
          exit
       end do
       if (.not. found) return
-      done = .false.
-      ended = .false.
-      do i = first, size(lines)
-         call edit_line(lines(i)%text, merge(at, 1, i == first), keys, values, done, ended)
-         if (ended) exit
+      text = joined(lines(first:), at)
+      do k = 1, size(keys)
+         there(k) = index(keys(k), "(") > 0
+         if (there(k)) then
+            call append_entry(text, trim(keys(k)) // " = " // values(k)%text)
+         else
+            call set_entry(text, trim(keys(k)), values(k)%text, there(k))
+         end if
       end do
+      call take_lines(lines, first, at, text)
       do k = size(keys), 1, -1
-         if (.not. done(k)) call add_key(lines, first, at, trim(keys(k)) // " = " // values(k)%text)
+         if (.not. there(k)) call add_key(lines, first, at, trim(keys(k)) // " = " // &
+            values(k)%text)
       end do
    end subroutine set_keys
+
+   !> Lines as one text, from a column of the first on.
+   pure function joined(lines, at) result(text)
+      type(text_line), intent(in) :: lines(:)
+      integer, intent(in) :: at
+      character(:), allocatable :: text
+      integer :: i
+      text = lines(1)%text(at:)
+      do i = 2, size(lines)
+         text = text // new_line(text) // lines(i)%text
+      end do
+   end function joined
+
+   !> The reverse: all lines from `first` on, the first of them from column `at` on.
+   pure subroutine take_lines(lines, first, at, text)
+      type(text_line), allocatable, intent(inout) :: lines(:)
+      integer, intent(in) :: first, at
+      character(*), intent(in) :: text
+      type(text_line), allocatable :: more(:)
+      integer :: i, n, from, ending
+      n = count([(text(i:i) == new_line(text), i=1, len(text))])
+      allocate (more(first + n))
+      more(:first) = lines(:first)
+      more(first)%text = lines(first)%text(:at - 1)
+      from = 1
+      do i = first, first + n
+         ending = index(text(from:) // new_line(text), new_line(text))
+         if (i > first) more(i)%text = ""
+         more(i)%text = more(i)%text // text(from:from + ending - 2)
+         from = from + ending
+      end do
+      call move_alloc(more, lines)
+   end subroutine take_lines
 
    !> Column behind "&group" in a line, 0 if it does not begin one.
    pure integer function group_at(text, group) result(at)
@@ -157,83 +198,6 @@ contains
       if (at > len(text)) return
       if (scan(text(at:at), " !/" // achar(9)) == 0) at = 0
    end function group_at
-
-   !> Replace values in one line; `ended` at the group's slash.
-   subroutine edit_line(text, from, keys, values, done, ended)
-      character(:), allocatable, intent(inout) :: text
-      integer, intent(in) :: from
-      character(*), intent(in) :: keys(:)
-      type(text_line), intent(in) :: values(:)
-      logical, intent(inout) :: done(:), ended
-      character(*), parameter :: letters = "abcdefghijklmnopqrstuvwxyz_0123456789"
-      integer :: i, k, last, ending
-      i = from
-      do while (i <= len(text))
-         select case (text(i:i))
-         case ("!")
-            return
-         case ("/")
-            ended = .true.
-            return
-         case ("'", achar(34))
-            ending = index(text(i + 1:), text(i:i))
-            if (ending == 0) return
-            i = i + ending + 1
-            cycle
-         case default
-            if (verify(lower(text(i:i)), letters) > 0) then
-               i = i + 1
-               cycle
-            end if
-         end select
-         last = i + verify(lower(text(i:)) // " ", letters) - 2
-         k = findloc(keys, lower(text(i:last)), 1)
-         if (k > 0 .and. index(adjustl(text(last + 1:)), "=") == 1) then
-            i = last + index(text(last + 1:), "=") + 1
-            call replace_value(text, i, values(k)%text)
-            done(k) = .true.
-            i = i + len(values(k)%text)
-         else
-            i = last + 1
-         end if
-      end do
-   end subroutine edit_line
-
-   !> The value that begins at or behind column `at`; `at` becomes where the new one begins.
-   subroutine replace_value(text, at, value)
-      character(:), allocatable, intent(inout) :: text
-      integer, intent(inout) :: at
-      character(*), intent(in) :: value
-      integer :: last
-      do while (at < len(text) .and. scan(text(min(at, len(text)):min(at, len(text))), " " // &
-         achar(9)) > 0)
-         at = at + 1
-      end do
-      last = at - 1
-      if (at <= len(text)) then
-         if (scan(text(at:at), "'""") > 0) then
-            last = at + index(text(at + 1:), text(at:at))
-         else
-            last = end_of_value(text, at)
-         end if
-      end if
-      text = text(:at - 1) // value // text(last + 1:)
-   end subroutine replace_value
-
-   !> Column of the last character of a value without quotes that begins at column `at`: one number
-   !> or several.
-   pure integer function end_of_value(text, at) result(last)
-      character(*), intent(in) :: text
-      integer, intent(in) :: at
-      integer :: next
-      last = at + scan(text(at:) // " ", " ,/!" // achar(9)) - 2
-      do
-         next = last + verify(text(last + 1:) // "!", " ," // achar(9))
-         if (next > len(text)) return
-         if (scan(text(next:next), "0123456789+-.") == 0) return
-         last = next + scan(text(next:) // " ", " ,/!" // achar(9)) - 2
-      end do
-   end function end_of_value
 
    !> "key = value" behind the group's name: on a line of its own where that line holds nothing
    !> else.

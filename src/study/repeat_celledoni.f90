@@ -13,7 +13,8 @@ module poinsot_study_repeat_celledoni
    use poinsot_scene_text, only: text_of
    use poinsot_scene_watch, only: run_watch
    use poinsot_study_candidates, only: any_name
-   use poinsot_study_choose, only: choose_request, choice, choose_method, tolerance_kept
+   use poinsot_study_choice, only: choose_request, choice, tolerance_kept
+   use poinsot_study_choose, only: choose_method
    implicit none(type, external)
    private
    public :: repeat_celledoni
