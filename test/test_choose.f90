@@ -19,7 +19,7 @@ module test_choose
    use poinsot_study_choice, only: choose_request, choice, chosen_scene, tolerance_kept, &
       motion_chaotic, time_ran_out
    use poinsot_study_choose, only: choose_method
-   use poinsot_study_choose_rank, only: best_of
+   use poinsot_study_choose_rank, only: best_of, pick_finalists, finalists
    use poinsot_study_choose_trials, only: prepare_task
    use poinsot_study_choose_text, only: verdict
    use poinsot_study_clock, only: limit_in
@@ -274,7 +274,8 @@ contains
    subroutine ties(error)
       type(error_type), allocatable, intent(out) :: error
       type(contender) :: four(4)
-      real(dp) :: cost_of(4)
+      real(dp) :: cost_of(4), five(5)
+      integer :: at(finalists), i, n
       four%error = [3.6e-12_dp, 4.5e-15_dp, 1e-13_dp, 1e-16_dp]
       cost_of = [1.0_dp, 1.09_dp, 1.02_dp, 1.12_dp]
       call expect(error, best_of(four, cost_of), 2)
@@ -282,6 +283,14 @@ contains
       call expect(error, best_of(four, cost_of), 3)
       cost_of(3) = 1e100_dp ! does not meet the tolerance
       call expect(error, best_of(four, cost_of), 1)
+      if (allocated(error)) return
+      ! who is timed again: the cheapest as seen in passing, and taylor
+      five = [1.0_dp, 1.1_dp, 1.2_dp, 1.4_dp, 7.0_dp]
+      call pick_finalists(five, [(.false., i=1, 5)], at, n)
+      call expect(error, n == 4 .and. all(at(:4) == [1, 2, 3, 4]), "the cheapest")
+      five = [1.0_dp, 1.1_dp, 1.2_dp, 1.4_dp, 7.0_dp]
+      call pick_finalists(five, [(i == 5, i=1, 5)], at, n)
+      call expect(error, n == 5 .and. at(5) == 5, "taylor, timed once, is timed again")
    end subroutine ties
 
    !> 0 with what --set said tried, and in the scene written; 4 where nothing keeps the tolerance,

@@ -12,7 +12,7 @@ module poinsot_study_choose_rank
    use poinsot_study_timing, only: time_steps
    implicit none(type, external)
    private
-   public :: time_finalists, take, best_of
+   public :: time_finalists, take, best_of, pick_finalists, finalists
 
    integer, parameter :: finalists = 10, repeats = 9
    real(dp), parameter :: final_share = 1.5_dp !! times the cheapest: timed again
@@ -40,7 +40,7 @@ contains
             if (one%met > 0) cost_of(i) = price_of(one, one%met)
          end associate
       end do
-      call pick_finalists(cost_of, at, n)
+      call pick_finalists(cost_of, all%contenders%adaptive, at, n)
       done = 0
       do round = 1, repeats
          if (round > 1 .and. left_of(limit) < 0) exit
@@ -69,22 +69,29 @@ contains
       if (minval(cost_of) < no_cost) call take(scene, all, k, cost_of(k), answer%runner_up)
    end subroutine time_finalists
 
-   !> The cheapest as seen in passing.
-   pure subroutine pick_finalists(cost_of, at, n)
+   !> The cheapest as seen in passing, and `taylor` anyway: it has been timed once only, and another
+   !> program may have come in between.
+   pure subroutine pick_finalists(cost_of, adaptive, at, n)
       real(dp), intent(inout) :: cost_of(:)
+      logical, intent(in) :: adaptive(:)
       integer, intent(out) :: at(finalists), n
       real(dp) :: least
       integer :: i, k
       n = 0
       at = 0
       least = minval(cost_of)
-      do i = 1, finalists
+      do i = 1, finalists - count(adaptive)
          k = minloc(cost_of, 1)
          if (.not. cost_of(k) < no_cost) exit
          if (i > 3 .and. cost_of(k) > final_share*least) exit
          n = n + 1
          at(n) = k
          cost_of(k) = no_cost
+      end do
+      do k = 1, size(cost_of)
+         if (.not. adaptive(k) .or. .not. cost_of(k) < no_cost .or. n == finalists) cycle
+         n = n + 1
+         at(n) = k
       end do
    end subroutine pick_finalists
 
