@@ -30,6 +30,7 @@ contains
          new_unittest("json-numbers", test_numbers), &
          new_unittest("page-of-a-run", test_page), &
          new_unittest("page-of-two-bodies", test_two), &
+         new_unittest("page-of-a-wheel", test_wheel), &
          new_unittest("page-made-anew", test_anew), &
          new_unittest("many-outputs-and-bodies", test_many)]
    end subroutine collect_view
@@ -65,6 +66,7 @@ contains
                   achar(10) // "{") == 1, &
                   "the template's beginning")
       call expect(error, index(page, "</script>END") > 0, "the template's end")
+      call expect(error, index(page, """about"": ""exact + srkn6, h = 0.1,") > 0, "how it goes")
       call expect(error, index(page, """kind"": ""top""") > 0, "not a top")
       call expect(error, index(page, """centre"": [0,0,1]") > 0, "no centre")
       call expect(error, index(page, """t"": [0,0.1,0.2,0.3,0.4,0.5,0.6,0.7,0.8,0.9,1]") > 0, &
@@ -94,6 +96,17 @@ contains
       call expect(error, index(page, """frame"": {""name"": ""spring"", ""axis"": [0,0,1], " // &
                   """rate"": 0.05, ""phase"": 0,") > 0, "how the direction turns")
    end subroutine test_two
+
+   !> A wheel inside is no torque: nothing is split.
+   subroutine test_wheel(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(:), allocatable :: page
+      call run_text("wheel", "&scene t_end = 1, h = 0.5 / &bodies moments = 1, 2, 3 / " // &
+         "&gyrostat rotor = 0, 1, 0 / &output every = 0.5, pictures = 'none', restart = '' /", &
+         page, error)
+      if (allocated(error)) return
+      call expect(error, index(page, """about"": ""exact, h = 0.5,") > 0, "how it goes")
+   end subroutine test_wheel
 
    !> The same data in another template; a folder without a page is refused.
    subroutine test_anew(error)

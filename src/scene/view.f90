@@ -7,6 +7,7 @@ module poinsot_scene_view
    use poinsot_core_status, only: poinsot_e_io
    use poinsot_core_version, only: version_text
    use poinsot_body_invariants, only: space_momentum
+   use poinsot_effect_effect, only: torque_effect, pair_effect
    use poinsot_scene_collect, only: collect, row_size
    use poinsot_scene_communicator, only: communicator
    use poinsot_scene_drift, only: drift_watch
@@ -237,8 +238,7 @@ contains
       integer :: n, i, k
       n = view%n
       if (view%frames(n)%t < view%last%t) n = n + 1 ! the end is always shown
-      about = scene%method
-      if (size(scene%effects) > 0) about = about // " + " // scene%splitting
+      about = how_it_goes(scene)
       if (scene%h > 0) about = about // ", h = " // number_json(scene%h, 5)
       about = about // ", poinsot " // version_text
       call put(file, "{""title"": " // quoted_json(scene%name) // ", ""about"": " // &
@@ -263,6 +263,29 @@ contains
       end function t_of
 
    end subroutine put_data
+
+   !> Method and splitting, as far as they do anything: without a torque only `baoab`, which says
+   !> where the noise is, and `taylor`, which needs no method.
+   pure function how_it_goes(scene) result(words)
+      type(scene_settings), intent(in) :: scene
+      character(:), allocatable :: words
+      logical :: splits
+      integer :: i
+      words = scene%method
+      if (size(scene%effects) == 0) return
+      splits = scene%splitting == "baoab"
+      do i = 1, size(scene%effects)
+         if (.not. allocated(scene%effects(i)%made)) cycle
+         select type (one => scene%effects(i)%made)
+         class is (torque_effect)
+            splits = .true.
+         class is (pair_effect)
+            splits = .true.
+         end select
+      end do
+      if (splits) words = scene%method // " + " // scene%splitting
+      if (scene%splitting == "taylor") words = scene%splitting
+   end function how_it_goes
 
    !> Largest changes so far of what the scene keeps.
    subroutine put_changes(view, n, file, error)
