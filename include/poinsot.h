@@ -322,12 +322,14 @@ poinsot_status poinsot_plan_class_axes(const poinsot_plan *plan, int number, dou
  *   "tolerance"  of the splitting "taylor", relative: 1e-15 to 1e-2 ("1e-12")
  *   "physical"   "yes", or "no": classes added from then on may have any moments that are zero or positive, of whatever sum
  *                (where one is zero and the others differ, they become their mean: Euler's equations have no other motion)
+ * Options in any case; blanks around a value do not count.
  * POINSOT_E_METHOD for an unknown option or name, POINSOT_E_DOMAIN for a number out of range or a plan that is ready. */
 poinsot_status poinsot_plan_set(poinsot_plan *plan, const char *option, const char *value);
 
 /* Add an effect by name, with keys and values as `poinsot effects` shows them, in one text: "centre = 0, 0, 1; weight = 2".
- * A key that is not named has its default; the key `class` (from 1; 0 is all of them) says on which bodies it acts. Words may
- * stand in quotes. settings may be NULL or "". Wrong keys and values: POINSOT_E_METHOD, _E_SIZE, _E_DOMAIN, and see
+ * Names and keys in any case, numbers apart by blanks or a comma, "3*0" for three zeros, as in scene files. A key that is not
+ * named has its default; the key `class` (from 1; 0 is all of them) says on which bodies it acts. Words may stand in quotes.
+ * settings may be NULL or "". Wrong keys and values: POINSOT_E_METHOD, _E_SIZE, _E_DOMAIN, and see
  * poinsot_plan_message. */
 poinsot_status poinsot_plan_add_effect(poinsot_plan *plan, const char *name, const char *settings);
 

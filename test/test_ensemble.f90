@@ -565,6 +565,7 @@ contains
    subroutine test_settings(error)
       type(error_type), allocatable, intent(out) :: error
       type(setting), allocatable :: s(:)
+      type(poinsot_plan) :: plan
       type(poinsot_error) :: problem
       character(24), parameter :: bad(9) = [character(24) :: "centre", "= 1", "a =", "a = 1 two", &
          "a = 1..2", "a = 1; b", "a = 0, 0, 1e999", "a = -1e308", "a = nan"]
@@ -584,6 +585,11 @@ contains
          call read_settings(trim(bad(i)), s, problem)
          call expect(error, problem%code, poinsot_e_domain, "accepted: "//bad(i))
       end do
+      call clear(problem)
+      call set_option(plan, " Threads", " 2 ", problem)
+      call set_option(plan, "METHOD ", " dmv8", problem)
+      call expect(error, .not. raised(problem) .and. plan%threads == 2 .and. &
+         plan%method%name == "dmv8", "blanks and case of an option")
    end subroutine test_settings
 
    !> Effects have a label and a row: both are of the same names.

@@ -75,6 +75,7 @@ contains
          new_unittest("reader-files", test_reader_files), &
          new_unittest("key-refusals", test_key_refusals), &
          new_unittest("keys-checked-alike", test_alike), &
+         new_unittest("values-read-alike", test_read_alike), &
          new_unittest("value-refusals", test_value_refusals), &
          new_unittest("override", test_override), &
          new_unittest("schedule", test_schedule), &
@@ -283,6 +284,46 @@ contains
             said(failure))
       end do
    end subroutine test_alike
+
+   !> A program and a file say the same in the same words: keys in any case, repeat counts, commas,
+   !> quotes.
+   subroutine test_read_alike(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: texts(11) = [character(56) :: "centre = 0, 0, 3", &
+         "centre = 2*0 3", "CENTRE=2*0., 3d0; Weight = 1", "centre = 2*0,3,", &
+         "centre = 0, 0, 1*3", "centre = 0,,3", "centre = 4*0", "centre = 0*1, 1, 2, 3", &
+         "centre = 100000001*0", "centre = 2*x, 3", "centre = 3*1e999"]
+      integer, parameter :: taken = 5 !! of these texts, the first
+      type(setting), allocatable :: settings(:)
+      type(poinsot_error) :: failure
+      type(scene_settings) :: scene
+      class(effect), allocatable :: made
+      character(len(texts)) :: text
+      integer :: i, k
+      do i = 1, size(texts)
+         call clear(failure)
+         call read_settings(trim(texts(i)), settings, failure)
+         if (.not. raised(failure)) call make_effect(" Gravity ", settings, made, failure)
+         call expect(error, raised(failure) .neqv. i <= taken, "a program's '" // trim(texts(i)) // &
+            "': " // said(failure))
+         if (i <= taken) call expect(error, settings(1)%key == "centre" .and. &
+            all(abs(settings(1)%values - [0, 0, 3]) <= 0), "a program's " // texts(i))
+         text = texts(i)
+         do k = 1, len(text)
+            if (text(k:k) == ";") text(k:k) = " "
+         end do
+         call clear(failure)
+         call make(good_run // good_body // "&Gravity " // text // "/", scene, failure)
+         call expect(error, raised(failure) .neqv. i <= taken, "a file's '" // trim(texts(i)) // &
+            "': " // said(failure))
+         if (i <= taken) call expect(error, all(abs(scene%effects(1)%settings(1)%values - &
+            [0, 0, 3]) <= 0), "a file's " // texts(i))
+      end do
+      call clear(failure)
+      call read_settings("u = 'Q33'; constants = 'it''s; so'", settings, failure)
+      call expect(error, size(settings), 2, "a semicolon within quotes")
+      if (size(settings) == 2) call expect(error, settings(2)%text, "it's; so")
+   end subroutine test_read_alike
 
    !> The message of an error, or that there is none.
    pure function said(failure) result(text)

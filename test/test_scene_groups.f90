@@ -24,6 +24,7 @@ contains
          new_unittest("mixture-of-two-fields", test_mixture), &
          new_unittest("effects-of-one-kind-add-up", test_sum), &
          new_unittest("settings-over-repeated-groups", test_override), &
+         new_unittest("blame-of-options", test_blame), &
          new_unittest("rotors-of-two-classes", test_rotors), &
          new_unittest("formulas-in-scenes", test_formula)]
    end subroutine collect_scene_groups
@@ -110,6 +111,32 @@ contains
       call make_scene(text, scene, failure, "field(3).strength=7,8,9")
       call expect(error, index(failure%message, "no &field group number 3") > 0, failure%message)
    end subroutine test_override
+
+   !> An error of what --set gave says so, and an error of the file has the file's line.
+   subroutine test_blame(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(*), parameter :: text = run // first_body // &
+         "&gravity_gradient rate=1 radial=1,0,0 /" // new_line("a") // &
+         "&spring stiffness=1 axis=0,0,0 /"
+      character(*), parameter :: options(6) = [character(40) :: "gravity_gradient.eccentricity=2", &
+         "gravity_gradient.radial(1)=many", "gravity_gradient.radial(1:3)=0,0,0", &
+         "scene.h=1e-300", "scene.seed=0.5", "bodies.moments(2)=1e9"]
+      type(scene_settings) :: scene
+      type(poinsot_error) :: failure
+      integer :: i
+      do i = 1, size(options)
+         failure = poinsot_error()
+         call make_scene(text, scene, failure, trim(options(i)))
+         call expect(error, raised(failure), "taken: " // trim(options(i)))
+         call expect(error, index(failure%message, "--set") == 1, trim(options(i)) // " -> " // &
+            failure%message)
+      end do
+      failure = poinsot_error()
+      call make_scene(text, scene, failure, "scene.h=0.2")
+      call expect(error, raised(failure), "a direction of zero taken")
+      call expect(error, index(failure%message, "--set") == 0, "the file's fault: " // &
+         failure%message)
+   end subroutine test_blame
 
    !> A wheel of each class is part of the momentum of its own bodies only.
    subroutine test_rotors(error)

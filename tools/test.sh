@@ -49,6 +49,10 @@ if [ -z "$arguments" ] && [ -x test/installed.sh ]; then
    printf '\n=== tests of the installed library and app\n'
    counted installed test/installed.sh
 fi
+if [ -z "$arguments" ]; then
+   printf '\n=== rows that describe themselves, in a copy of the sources\n'
+   counted rows test/rows.sh quick
+fi
 if [ -z "$arguments" ] && [ "${FUZZ:-yes}" != no ]; then
    printf '\n=== fuzzers, a short run\n'
    if tools/fuzz.sh probe; then counted fuzz tools/fuzz.sh all 1500; else echo "       ... fuzz [SKIPPED] no sanitizers"; fi

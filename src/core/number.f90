@@ -1,19 +1,19 @@
 !> Numbers as people write them, in scene files, settings and tables, checked letter by letter
-!> before
-!> Fortran reads them: a host may run with floating-point traps on, so a text such as 1e999 must
-!> never reach the run-time library.
+!> before Fortran reads them: a host may run with floating-point traps on, so a text such as 1e999
+!> must never reach the run-time library.
 module poinsot_core_number
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
    private
-   public :: parse_real, parse_integer, trusted_reals
+   public :: parse_real, parse_integer, parse_repeats, trusted_reals, lower
+   public :: most_repeats
    public :: number_ok, number_no, number_range
 
    integer, parameter :: number_ok = 0    !! read
    integer, parameter :: number_no = 1    !! not a number
+   !> A number beyond 1e307 in size, an integer beyond 64 bits, or not finite.
    integer, parameter :: number_range = 2
-   !! a number beyond 1e307 in size, an integer beyond 64 bits, or
-                                          !! not finite
+   integer, parameter :: most_repeats = 100000000 !! as the count of `n*value`
 
 contains
 
@@ -110,6 +110,26 @@ contains
       outcome = number_ok
    end subroutine parse_integer
 
+   !> How often the value at the beginning of a text is meant: `3*0` says it three times.
+   pure subroutine parse_repeats(text, repeats, length, good)
+      character(*), intent(in) :: text
+      integer, intent(out) :: repeats !! 0: there is no count
+      integer, intent(out) :: length  !! of the count and its asterisk
+      logical, intent(out) :: good    !! there is none, or one from 1 to most_repeats
+      integer(i8) :: number
+      integer :: outcome
+      repeats = 0
+      good = .true.
+      length = verify(text, "0123456789")
+      if (length <= 1) length = 0
+      if (length == 0) return
+      if (text(length:length) /= "*") length = 0
+      if (length == 0) return
+      call parse_integer(text(:length - 1), number, outcome)
+      good = outcome == number_ok .and. number >= 1 .and. number <= most_repeats
+      if (good) repeats = int(number)
+   end subroutine parse_repeats
+
    !> The numbers of a text of our own, apart by commas or blanks: no check, what is no number is 0.
    pure subroutine trusted_reals(text, values)
       character(*), intent(in) :: text
@@ -129,9 +149,9 @@ contains
       end do
    end subroutine trusted_reals
 
-   !> Capital letters made small.
+   !> ASCII capital letters made small; other bytes stay.
    pure function lower(text) result(small)
-      character(*), intent(in) :: text
+      character(*), intent(in) :: text !! any text
       character(len(text)) :: small
       integer :: i, code
       small = text

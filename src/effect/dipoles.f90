@@ -5,6 +5,7 @@ module poinsot_effect_dipoles
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_effect_effect, only: effect, pair_effect
+   use poinsot_effect_traits, only: effect_traits
    use poinsot_effect_geometry, only: each_to_body, to_space
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, get_value, &
@@ -30,7 +31,8 @@ module poinsot_effect_dipoles
       procedure :: add_energy
       procedure :: bodies
       procedure :: has_gradient
-      procedure :: lay_change
+      procedure :: get_traits
+      procedure :: scatter_change
       procedure :: add_derivative
    end type dipoles
 
@@ -46,7 +48,7 @@ contains
       allocate (row%info%keys, source=[ &
                   number_key("dipole", 3, -1, "required", "dipole moment", &
                              "body frame: three numbers for all, or three per body class", &
-                             class_vectors), &
+                             class_vectors, shown="dipole"), &
                   number_key("coupling", 1, 1, "1", "energy length^3/dipole^2", &
                   "C, e.g. 1/(4 pi eps0)"), &
                   number_key("positions", 3, -1, "", "length", &
@@ -55,6 +57,7 @@ contains
                   "without positions: distance along a chain"), &
                   number_key("axis", 3, 3, "1,0,0", "direction", &
                   "without positions: direction of the chain")])
+      row%info%keys(3)%positions_unless = "spacing"
       row%make => make_dipoles
    end function dipoles_row
 
@@ -89,6 +92,15 @@ contains
       end if
       if (.not. raised(error)) made = new
    end subroutine make_dipoles
+
+   !> A conservative force that knows all directions between bodies.
+   pure subroutine get_traits(self, traits)
+      class(dipoles), intent(in) :: self
+      type(effect_traits), intent(out) :: traits
+      associate (unused => self%class_index)
+      end associate
+      traits%energy = .true.
+   end subroutine get_traits
 
    subroutine place(values, new, error)
       real(dp), intent(in) :: values(:)
@@ -170,7 +182,7 @@ contains
    end function has_gradient
 
    !> Along Q -> Q exp(hat(delta)) the dipole in space changes by Q (delta x dipole).
-   subroutine lay_change(self, number, body, q, delta, changes)
+   subroutine scatter_change(self, number, body, q, delta, changes)
       class(dipoles), intent(in) :: self
       integer, intent(in) :: number
       integer, intent(in) :: body(lanes)
@@ -182,7 +194,7 @@ contains
       call add_cross(-dipole_of(self, number), delta, v)
       call to_space(v, q, m)
       call scatter(body, m, changes)
-   end subroutine lay_change
+   end subroutine scatter_change
 
    !> dipole x [(Q^T E) x delta + Q^T (change of E)]
    subroutine add_derivative(self, number, body, q, delta, sources, changes, dg)

@@ -10,6 +10,7 @@ module poinsot_effect_effect
    use poinsot_body_class, only: body_class
    use poinsot_effect_settings, only: setting
    use poinsot_effect_terms, only: torque_terms
+   use poinsot_effect_traits, only: effect_traits
    implicit none(type, external)
    private
    public :: effect, torque_effect, flow_effect, pair_effect, effect_item
@@ -22,6 +23,7 @@ module poinsot_effect_effect
       procedure :: acts_on
       procedure :: uses_moments => no_moments
       procedure :: add_terms => add_no_terms
+      procedure :: get_traits => get_no_traits
    end type effect
 
    !> A place for one effect of any kind, so that effects can stand in an array.
@@ -62,7 +64,7 @@ module poinsot_effect_effect
       procedure :: add_torques
       procedure :: add_energies
       procedure :: has_gradient => pair_has_no_gradient
-      procedure :: lay_change => lay_no_change
+      procedure :: scatter_change => scatter_no_change
       procedure :: add_derivative => add_no_pair_derivative
       procedure :: add_derivatives
    end type pair_effect
@@ -167,6 +169,15 @@ contains
       served = .false.
    end subroutine add_no_terms
 
+   !> What it is to a whole run. Of an effect that does not say, the worst is taken.
+   pure subroutine get_no_traits(self, traits)
+      class(effect), intent(in) :: self
+      type(effect_traits), intent(out) :: traits
+      associate (unused => self%class_index)
+      end associate
+      traits = effect_traits()
+   end subroutine get_no_traits
+
    !> Has the derivative of the torque in closed form? Schemes with a force gradient need it.
    pure logical function has_no_gradient(self)
       class(torque_effect), intent(in) :: self
@@ -224,7 +235,7 @@ contains
 
    !> changes(:, body(i)) = change of the source along Q -> Q exp(hat(delta)): first pass of
    !> Dg[delta].
-   subroutine lay_no_change(self, number, body, q, delta, changes)
+   subroutine scatter_no_change(self, number, body, q, delta, changes)
       class(pair_effect), intent(in) :: self
       integer, intent(in) :: number
       integer, intent(in) :: body(lanes)
@@ -234,7 +245,7 @@ contains
       associate (unused_1 => self%class_index, unused_2 => number, unused_3 => body, &
          unused_4 => q, unused_5 => delta, unused_6 => changes)
       end associate
-   end subroutine lay_no_change
+   end subroutine scatter_no_change
 
    !> dg += Dg[delta] from all sources and all their changes: second pass.
    subroutine add_no_pair_derivative(self, number, body, q, delta, sources, changes, dg)
@@ -307,7 +318,7 @@ contains
       end do
    end subroutine add_energies
 
-   !> Both passes for the derivative, after add_torques has laid the sources: dg += Dg[delta].
+   !> Both passes for the derivative, after add_torques has scattered the sources: dg += Dg[delta].
    subroutine add_derivatives(self, number, body, q, delta, sources, changes, dg)
       class(pair_effect), intent(in) :: self
       integer, intent(in) :: number(:)
@@ -320,7 +331,7 @@ contains
       integer :: k
       changes = 0
       do k = 1, size(number)
-         if (self%acts_on(number(k))) call self%lay_change(number(k), body(:, k), q(:, :, k), &
+         if (self%acts_on(number(k))) call self%scatter_change(number(k), body(:, k), q(:, :, k), &
             delta(:, :, k), changes)
       end do
       do k = 1, size(number)

@@ -6,6 +6,7 @@ module poinsot_effect_field
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: turned, add_linear_torque, add_linear_energy, &
       add_linear_derivative
+   use poinsot_effect_traits, only: effect_traits
    use poinsot_effect_terms, only: torque_terms, linear_term, space_direction, cross_matrix
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
@@ -32,6 +33,7 @@ module poinsot_effect_field
       procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
+      procedure :: get_traits
       procedure :: add_derivative
    end type field
 
@@ -46,7 +48,7 @@ contains
       row%info%check = "libration sqrt(dipole E/I); fast oscillating field: dipole E/(sqrt(2) I W)"
       allocate (row%info%keys, source=[ &
                   number_key("dipole", 3, 3, "required", "dipole moment", "dipole, body frame", &
-                  body_vector), &
+                  body_vector, shown="dipole"), &
                   number_key("strength", 3, 3, "required", "energy per dipole moment", &
                   "the field E0, in space"), &
                   text_key("motion", "static", "static rotating oscillating", &
@@ -122,6 +124,23 @@ contains
       end associate
       call add_linear_energy(self%at_time(t), -self%dipole, q, u)
    end subroutine add_energy
+
+   !> A field whose strength swings does work in every frame.
+   pure subroutine get_traits(self, traits)
+      class(field), intent(in) :: self
+      type(effect_traits), intent(out) :: traits
+      traits%energy = self%motion /= oscillating
+      traits%one_direction = .true.
+      traits%swings = self%motion == oscillating
+      traits%direction = space_direction(self%strength)
+      if (self%motion == rotating) then
+         traits%direction = space_direction(self%strength, self%axis, self%frequency, self%phase)
+      else if (self%motion == oscillating) then
+         traits%direction%rate = self%frequency
+         traits%direction%phase = self%phase
+      end if
+      traits%shown = "field"
+   end subroutine get_traits
 
    pure logical function has_gradient(self)
       class(field), intent(in) :: self

@@ -6,6 +6,7 @@ module poinsot_effect_gravity
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: add_linear_torque, add_linear_energy, add_linear_derivative
    use poinsot_effect_terms, only: torque_terms, linear_term, cross_matrix
+   use poinsot_effect_traits, only: effect_traits
    use poinsot_effect_turning, only: turning_direction, turning_keys, get_turning
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_values, &
@@ -25,6 +26,7 @@ module poinsot_effect_gravity
       procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
+      procedure :: get_traits
       procedure :: add_derivative
    end type gravity
 
@@ -39,7 +41,7 @@ contains
                    &Kovalevskaya integral"
       allocate (row%info%keys, source=[ &
                   number_key("centre", 3, 3, "required", "length", &
-                  "centre of mass from the fixed point, body frame", body_vector), &
+                  "centre of mass from the fixed point, body frame", body_vector, shown="centre"), &
                   number_key("weight", 1, 1, "1", "force", "mass times acceleration of gravity"), &
                   number_key("up", 3, 3, "0,0,1", "direction", "upwards, in space; normalised"), &
                   turning_keys("up")])
@@ -84,6 +86,19 @@ contains
       end associate
       call add_linear_energy(self%up%at_time(t), self%arm, q, u)
    end subroutine add_energy
+
+   !> A top, where the direction stands still.
+   pure subroutine get_traits(self, traits)
+      class(gravity), intent(in) :: self
+      type(effect_traits), intent(out) :: traits
+      traits%energy = .true.
+      traits%one_direction = .true.
+      traits%direction = self%up%as_data()
+      traits%shown = "turning"
+      if (abs(self%up%rate) > 0) return
+      traits%shown = "top"
+      if (.not. abs(self%up%phase) > 0) traits%arm = self%arm
+   end subroutine get_traits
 
    pure logical function has_gradient(self)
       class(gravity), intent(in) :: self

@@ -7,6 +7,7 @@ module poinsot_effect_gravity_gradient
    use poinsot_core_libm, only: arctangent, cosine, sine
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: turned, to_body
+   use poinsot_effect_traits, only: effect_traits
    use poinsot_effect_terms, only: torque_terms, quadratic_term, space_direction
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_value, &
@@ -33,6 +34,7 @@ module poinsot_effect_gravity_gradient
       procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
+      procedure :: get_traits
       procedure :: uses_moments
       procedure :: add_derivative
    end type gravity_gradient
@@ -169,6 +171,17 @@ contains
       call to_body(e, q, n)
       u = u + (half(1)*n(:, 1)**2 + half(2)*n(:, 2)**2 + half(3)*n(:, 3)**2)
    end subroutine add_energy
+
+   !> The distance of an eccentric orbit changes in every frame.
+   pure subroutine get_traits(self, traits)
+      class(gravity_gradient), intent(in) :: self
+      type(effect_traits), intent(out) :: traits
+      traits%energy = .not. self%eccentricity > 0
+      traits%one_direction = .true.
+      traits%eccentricity = self%eccentricity
+      traits%direction = space_direction(self%radial, self%normal, self%rate, self%anomaly)
+      if (abs(self%rate) > 0) traits%shown = "orbit"
+   end subroutine get_traits
 
    pure logical function has_gradient(self)
       class(gravity_gradient), intent(in) :: self

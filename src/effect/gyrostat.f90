@@ -8,10 +8,11 @@ module poinsot_effect_gyrostat
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_time_table, only: time_table
    use poinsot_effect_effect, only: effect
+   use poinsot_effect_traits, only: effect_traits
    use poinsot_effect_row, only: effect_label, effect_row
-   use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, &
+   use poinsot_effect_settings, only: setting, effect_info, number_key, &
       get_values, body_vector
-   use poinsot_effect_time_settings, only: times_key, read_time_table
+   use poinsot_effect_time_settings, only: times_key, table_file_key, read_time_table
    implicit none(type, external)
    private
    public :: gyrostat, gyrostat_label, gyrostat_row, turn_increment, turn_is_too_long, &
@@ -26,6 +27,7 @@ module poinsot_effect_gyrostat
       type(time_table), allocatable :: table !! or s as it changes
    contains
       procedure :: uses_moments
+      procedure :: get_traits
    end type gyrostat
 
    real(dp), parameter :: longest_turn = 1e15_dp !! radians; beyond, no digit of the angle is right
@@ -40,11 +42,12 @@ contains
       row%info%check = "|y| and T kept; a rotor steadies the spin about the middle axis"
       allocate (row%info%keys, source=[ &
                   number_key("rotor", 3, 3, "required", "angular momentum", &
-                  "angular momentum of the internal rotor, body frame; or a table", body_vector), &
+                  "angular momentum of the internal rotor, body frame; or a table", body_vector, &
+                  shown="rotor"), &
                   times_key(), &
                   number_key("table", 3, -1, "", "angular momentum", &
                   "that momentum, three numbers for each time", body_vector), &
-                  text_key("file", "", "", "scene only: file with lines of t, three momenta")])
+                  table_file_key("scene only: file with lines of t, three momenta")])
       row%info%keys(3:4)%instead_of = "rotor"
       row%make => make_gyrostat
    end function gyrostat_row
@@ -65,6 +68,15 @@ contains
       end if
       made = new
    end subroutine make_gyrostat
+
+   !> It acts within the body; a rotor that changes does work.
+   pure subroutine get_traits(self, traits)
+      class(gyrostat), intent(in) :: self
+      type(effect_traits), intent(out) :: traits
+      traits%internal = .true.
+      traits%energy = .not. allocated(self%table)
+      if (traits%energy) traits%shown = "gyrostat"
+   end subroutine get_traits
 
    pure logical function uses_moments(self)
       class(gyrostat), intent(in) :: self

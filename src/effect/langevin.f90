@@ -40,6 +40,7 @@ contains
                   friction_keys("friction"), &
                   number_key("temperature", 1, 1, "required", "energy", &
                   "k T, Boltzmann's constant included")])
+      row%info%keys(size(row%info%keys))%is_noise = .true.
       row%make => make_langevin
    end function langevin_row
 

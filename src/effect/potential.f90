@@ -11,9 +11,10 @@ module poinsot_effect_potential
    use poinsot_body_class, only: body_class
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_formula, only: compile_formula
-   use poinsot_effect_formula_node, only: formula, most_nodes, op_attitude
+   use poinsot_effect_formula_node, only: formula, most_nodes, op_attitude, op_time
    use poinsot_effect_formula_run, only: run_values, run_gradient, run_change, is_tame
    use poinsot_effect_geometry, only: to_body
+   use poinsot_effect_traits, only: effect_traits
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_text, &
       get_values, body_vector
@@ -37,6 +38,7 @@ module poinsot_effect_potential
       procedure :: add_torque
       procedure :: add_energy
       procedure :: has_gradient
+      procedure :: get_traits
       procedure :: add_derivative
    end type potential
 
@@ -222,6 +224,15 @@ contains
       call run_values(self%u, t, x, s, v)
       energy = v(:, self%u%result)
    end subroutine find_energy
+
+   !> A formula that reads the third row of Q only knows no direction but z.
+   pure subroutine get_traits(self, traits)
+      class(potential), intent(in) :: self
+      type(effect_traits), intent(out) :: traits
+      traits%energy = .not. any(self%u%op(:self%u%n) == op_time)
+      traits%one_direction = .not. any(self%rows(:2))
+      traits%direction%at = unit(:, 3)
+   end subroutine get_traits
 
    pure logical function has_gradient(self)
       class(potential), intent(in) :: self

@@ -7,6 +7,7 @@ module poinsot_effect_registry
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
+   use poinsot_core_number, only: lower
    use poinsot_effect_effect, only: effect
    use poinsot_effect_row, only: effect_label, effect_row, row_source
    use poinsot_effect_settings, only: setting, effect_key, effect_info, number_key, &
@@ -25,7 +26,7 @@ module poinsot_effect_registry
    implicit none(type, external)
    private
    public :: effect_count, effect_names, describe_effect, effect_name, effect_number, make_effect, &
-      remake_effect
+      remake_effect, noise_key, shown_key
    public :: numbered_effects, numbered_effect_count, numbered_effect
 
    type(effect_label), parameter :: labels(*) = [ &
@@ -91,7 +92,8 @@ contains
       type(effect_row) :: row
       call find_row(effect_name(i), row)
       info = row%info
-      if (associated(row%make)) info%keys = [info%keys, class_key()]
+      info%by_name = associated(row%make)
+      if (info%by_name) info%keys = [info%keys, class_key()]
    end function describe_effect
 
    !> Name of effect i, as people see them listed; "" outside 1 to effect_count.
@@ -101,6 +103,34 @@ contains
       name = ""
       if (i >= 1 .and. i <= effect_count) name = trim(effect_names(i))
    end function effect_name
+
+   !> The key of the temperature of an effect's noise; "" of one without noise.
+   function noise_key(name) result(key)
+      character(*), intent(in) :: name !! of an effect
+      character(:), allocatable :: key
+      type(effect_row) :: row
+      integer :: k
+      key = ""
+      call find_row(name, row)
+      do k = 1, size(row%info%keys)
+         if (row%info%keys(k)%is_noise) key = trim(row%info%keys(k)%name)
+      end do
+   end function noise_key
+
+   !> The key of an effect whose body vector pictures show as "centre", "rotor" or "dipole"; "" of
+   !> one without.
+   function shown_key(name, what) result(key)
+      character(*), intent(in) :: name !! of an effect
+      character(*), intent(in) :: what !! one of the three
+      character(:), allocatable :: key
+      type(effect_row) :: row
+      integer :: k
+      key = ""
+      call find_row(name, row)
+      do k = 1, size(row%info%keys)
+         if (row%info%keys(k)%shown == what) key = trim(row%info%keys(k)%name)
+      end do
+   end function shown_key
 
    !> The highest public number of an effect.
    pure integer function numbered_effect_count()
@@ -127,14 +157,16 @@ contains
    !> Make an effect from its name and settings. POINSOT_E_METHOD for an unknown name or key (the
    !> message names the nearest known one), _SIZE for a wrong count of numbers, _DOMAIN for a wrong
    !> value.
-   subroutine make_effect(name, settings, made, error)
-      character(*), intent(in) :: name                    !! as in the registry
+   subroutine make_effect(called, settings, made, error)
+      character(*), intent(in) :: called                  !! its name, in any case
       type(setting), intent(in) :: settings(:)            !! keys not named keep their defaults
       class(effect), allocatable, intent(out) :: made     !! not allocated after an error
       type(poinsot_error), intent(inout) :: error
       type(effect_info) :: info
       type(effect_row) :: row
       real(dp) :: class_number
+      character(:), allocatable :: name
+      name = lower(trim(adjustl(called)))
       if (effect_number(name) == 0) then
          call raise(error, poinsot_e_method, "unknown effect '" // trim(name) // "'" // &
                     suggestion(name, effect_names))

@@ -9,7 +9,7 @@ module poinsot_effect_settings
       poinsot_e_size
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_nearest, only: suggestion
-   use poinsot_core_number, only: trusted_reals
+   use poinsot_core_number, only: lower, trusted_reals
    implicit none(type, external)
    private
    public :: setting, effect_key, effect_info, number_key, text_key
@@ -54,6 +54,12 @@ module poinsot_effect_settings
       character(12) :: frame_key = ""
       !! a text key that may say 'space': then it is no body vector
       character(12) :: instead_of = ""   !! a key in whose place it is given, not beside it
+      character(8) :: shown = ""         !! a body vector that pictures show: "centre" (of mass),
+                                         !! "rotor" or "dipole"
+      logical :: is_noise = .false.      !! the temperature of noise: zero is without
+      logical :: is_table = .false.      !! scenes: a file of `times` and `table`
+      character(12) :: positions_unless = ""
+      !! scenes: takes the positions of the bodies, unless it or this other key is given
    end type effect_key
 
    !> One effect as the registry shows it.
@@ -63,19 +69,21 @@ module poinsot_effect_settings
       character(120) :: check = ""       !! the analytic result it is tested against
       integer :: order = 0               !! highest order a splitting reaches with it; 0 = no limit
       logical :: gradient = .true.       !! has the force gradient in closed form
+      logical :: by_name = .true.        !! made from settings; else a program's own
       type(effect_key), allocatable :: keys(:)
    end type effect_info
 
 contains
 
    !> Describe a key that takes numbers.
-   pure function number_key(name, least, most, default, units, meaning, frame, frame_key) &
+   pure function number_key(name, least, most, default, units, meaning, frame, frame_key, shown) &
          result(key)
       character(*), intent(in) :: name, default, units, meaning
       integer, intent(in) :: least, most
-      character(*), intent(in), optional :: frame, frame_key
+      character(*), intent(in), optional :: frame, frame_key, shown
       type(effect_key) :: key
       key = effect_key(name, .false., least, most, default, units, meaning)
+      if (present(shown)) key%shown = shown
       if (present(frame)) key%frame = frame
       if (present(frame_key)) key%frame_key = frame_key
    end function number_key
@@ -92,7 +100,7 @@ contains
       character(*), intent(in) :: key !! its name
       real(dp), intent(in) :: values(:)
       type(setting) :: made
-      made%key = key
+      made%key = lower(key)
       allocate (made%values, source=values)
    end function number_setting
 
@@ -100,7 +108,7 @@ contains
    pure function text_setting(key, text) result(made)
       character(*), intent(in) :: key, text
       type(setting) :: made
-      made%key = key
+      made%key = lower(key)
       made%text = text
    end function text_setting
 

@@ -3,19 +3,22 @@ module poinsot_effect_settings_text
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_number, only: parse_real, number_ok, number_range
+   use poinsot_core_message, only: printable
+   use poinsot_core_number, only: parse_real, parse_repeats, lower, number_ok, number_range
    use poinsot_effect_settings, only: setting
    implicit none(type, external)
    private
    public :: read_settings
 
    character(*), parameter :: blanks = " ,"//achar(9)//achar(10)//achar(13)
+   integer, parameter :: most_numbers = 1000000 !! of one key
 
 contains
 
-   !> Settings from a text: `key = values`, separated by semicolons; values are numbers (blanks or
-   !> commas between them) or one word, which may stand in quotes. POINSOT_E_DOMAIN, quoting the
-   !> part, for anything else.
+   !> Settings from a text: `key = values`, separated by semicolons; keys in any case; values are
+   !> numbers (blanks or a comma between them, `3*0` says one three times) or one word, which may
+   !> stand in quotes, those within it doubled. POINSOT_E_DOMAIN, quoting the part, for anything
+   !> else.
    subroutine read_settings(text, settings, error)
       character(*), intent(in) :: text
       type(setting), allocatable, intent(out) :: settings(:)
@@ -25,8 +28,7 @@ contains
          n = 0
          first = 1
          do while (first <= len(text))
-            last = index(text(first:), ";") + first - 2
-            if (last < first - 1) last = len(text)
+            last = first - 1 + part_length(text(first:))
             if (verify(text(first:last), blanks) > 0) then
                n = n + 1
                if (pass == 2) call read_one(text(first:last), settings(n), error)
@@ -43,6 +45,24 @@ contains
       end do
    end subroutine read_settings
 
+   !> How much of a text stands before the next semicolon that is not within quotes.
+   pure integer function part_length(text) result(n)
+      character(*), intent(in) :: text
+      character :: quote
+      quote = " "
+      do n = 0, len(text) - 1
+         associate (c => text(n + 1:n + 1))
+            if (quote /= " ") then
+               if (c == quote) quote = " "
+            else if (c == "'" .or. c == '"') then
+               if (index(text(n + 2:), c) > 0) quote = c
+            else if (c == ";") then
+               return
+            end if
+         end associate
+      end do
+   end function part_length
+
    !> One `key = values`.
    subroutine read_one(part, one, error)
       character(*), intent(in) :: part
@@ -51,7 +71,7 @@ contains
       character(:), allocatable :: values
       integer :: equals
       equals = index(part, "=")
-      if (equals > 0) one%key = trimmed(part(1:equals - 1))
+      if (equals > 0) one%key = lower(trimmed(part(1:equals - 1)))
       if (equals > 0) values = trimmed(part(equals + 1:))
       if (equals == 0) then
          call raise(error, poinsot_e_domain, "settings: '"//trimmed(part)// &
@@ -60,7 +80,7 @@ contains
          call raise(error, poinsot_e_domain, "settings: '"//trimmed(part)// &
             "' lacks its key or its values")
       else if (is_quoted(values)) then
-         one%text = values(2:len(values) - 1)
+         one%text = between_quotes(values)
       else if (scan(values(1:1), "+-.0123456789") == 1 .or. is_number_word(values)) then
          call read_numbers(values, one, error)
       else
@@ -68,46 +88,93 @@ contains
       end if
    end subroutine read_one
 
+   !> Numbers into a setting: counted, then stored.
    subroutine read_numbers(values, one, error)
       character(*), intent(in) :: values
       type(setting), intent(inout) :: one
       type(poinsot_error), intent(inout) :: error
-      integer :: first, last, n, state, outcome
-      real(dp), allocatable :: found(:)
+      integer :: pass, first, last, n, state, repeats
+      logical :: wanted
       real(dp) :: x
-      allocate (found(1 + len(values)/2), stat=state)
-      if (state /= 0) then
-         call raise(error, poinsot_e_memory, "no memory for the settings of an effect")
-         return
-      end if
-      n = 0
-      first = 1
-      do
-         last = verify(values(first:), blanks)
-         if (last == 0) exit
-         first = first + last - 1
-         last = scan(values(first:), blanks) + first - 2
-         if (last < first) last = len(values)
-         call parse_real(values(first:last), x, outcome)
-         if (outcome /= number_ok) then
-            call raise(error, poinsot_e_domain, "settings: '" // one%key // " = " // values // &
-                       "': '" // values(first:last) // trim(merge( &
-                       "' is not finite or beyond 1e307", "' is not a number              ", &
-                       outcome == number_range)))
+      do pass = 1, 2
+         n = 0
+         first = 1
+         wanted = .true.
+         do while (first <= len(values))
+            last = first
+            if (values(first:first) == ",") then
+               if (wanted) call reject_values(one%key, values, "a place between commas is empty", &
+                  error)
+               wanted = .true.
+            else if (scan(values(first:first), blanks) == 0) then
+               last = scan(values(first:), blanks) + first - 2
+               if (last < first) last = len(values)
+               call read_number(one%key, values, values(first:last), repeats, x, error)
+               if (n > most_numbers - repeats) call reject_values(one%key, values, &
+                  "these are more than a million numbers", error)
+               if (raised(error)) return
+               if (pass == 2) one%values(n + 1:n + repeats) = x
+               n = n + repeats
+               wanted = .false.
+            end if
+            if (raised(error)) return
+            first = last + 1
+         end do
+         if (pass == 2) return
+         allocate (one%values(n), stat=state) ! an assignment would allocate without a look
+         if (state /= 0) then
+            call raise(error, poinsot_e_memory, "no memory for the settings of an effect")
             return
          end if
-         n = n + 1
-         found(n) = x
-         first = last + 1
-         if (first > len(values)) exit
       end do
-      allocate (one%values(n), stat=state) ! an assignment would allocate without a look
-      if (state /= 0) then
-         call raise(error, poinsot_e_memory, "no memory for the settings of an effect")
-         return
-      end if
-      one%values(:) = found(1:n)
    end subroutine read_numbers
+
+   !> One number, with its repeat count.
+   subroutine read_number(key, values, word, repeats, x, error)
+      character(*), intent(in) :: key, values !! for messages
+      character(*), intent(in) :: word
+      integer, intent(out) :: repeats
+      real(dp), intent(out) :: x
+      type(poinsot_error), intent(inout) :: error
+      integer :: length, outcome
+      logical :: good
+      call parse_repeats(word, repeats, length, good)
+      if (good) then
+         repeats = max(repeats, 1)
+         call parse_real(word(length + 1:), x, outcome)
+         if (outcome == number_range) then
+            call reject_values(key, values, "'" // word // "' is not finite or beyond 1e307", error)
+         else if (outcome /= number_ok) then
+            call reject_values(key, values, "'" // word // "' is not a number", error)
+         end if
+      else
+         call reject_values(key, values, "the repeat count of '" // word // &
+            "' is not from 1 to 100000000", error)
+      end if
+   end subroutine read_number
+
+   subroutine reject_values(key, values, why, error)
+      character(*), intent(in) :: key, values, why
+      type(poinsot_error), intent(inout) :: error
+      call raise(error, poinsot_e_domain, "settings: '" // key // " = " // printable(values) // &
+         "': " // why)
+   end subroutine reject_values
+
+   !> What stands between the quotes; a doubled one within is meant once.
+   pure function between_quotes(s) result(text)
+      character(*), intent(in) :: s
+      character(:), allocatable :: text
+      integer :: i
+      text = ""
+      i = 2
+      do while (i < len(s))
+         text = text // s(i:i)
+         if (s(i:i) == s(1:1) .and. i + 1 < len(s)) then
+            if (s(i + 1:i + 1) == s(1:1)) i = i + 1
+         end if
+         i = i + 1
+      end do
+   end function between_quotes
 
    pure logical function is_quoted(s)
       character(*), intent(in) :: s

@@ -6,6 +6,7 @@ module poinsot_effect_spring
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
    use poinsot_effect_terms, only: torque_terms, quadratic_term
+   use poinsot_effect_traits, only: effect_traits
    use poinsot_effect_turning, only: turning_direction, turning_keys, get_turning
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, get_value, &
@@ -26,6 +27,7 @@ module poinsot_effect_spring
       procedure :: add_terms
       procedure :: add_energy
       procedure :: has_gradient
+      procedure :: get_traits
       procedure :: add_derivative
    end type spring
 
@@ -96,6 +98,15 @@ contains
       u = u - 0.5_dp*self%stiffness*(self%axis(1)*v(:, 1) + self%axis(2)*v(:, 2) + &
                                      self%axis(3)*v(:, 3))**2
    end subroutine add_energy
+
+   pure subroutine get_traits(self, traits)
+      class(spring), intent(in) :: self
+      type(effect_traits), intent(out) :: traits
+      traits%energy = .true.
+      traits%one_direction = .true.
+      traits%direction = self%direction%as_data()
+      if (abs(self%direction%rate) > 0) traits%shown = "turning"
+   end subroutine get_traits
 
    pure logical function has_gradient(self)
       class(spring), intent(in) :: self

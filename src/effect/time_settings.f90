@@ -5,10 +5,10 @@ module poinsot_effect_time_settings
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_time_table, only: time_table
    use poinsot_effect_settings, only: setting, effect_info, effect_key, number_key, get_values, &
-      was_given
+      text_key, was_given
    implicit none(type, external)
    private
-   public :: times_key, read_time_table
+   public :: times_key, table_file_key, read_time_table
 
 contains
 
@@ -18,6 +18,14 @@ contains
       key = number_key("times", 1, -1, "", "time", &
          "ascending; one given twice is a jump; constant beyond both ends")
    end function times_key
+
+   !> The key `file`, for scenes: a file of both.
+   pure function table_file_key(meaning) result(key)
+      character(*), intent(in) :: meaning
+      type(effect_key) :: key
+      key = text_key("file", "", "", meaning)
+      key%is_table = .true.
+   end function table_file_key
 
    !> The table, if settings have one. Errors: POINSOT_E_SIZE, POINSOT_E_DOMAIN.
    subroutine read_time_table(info, settings, table, error)

@@ -8,7 +8,7 @@ module poinsot_effect_torque
    use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_effect_geometry, only: to_body
    use poinsot_effect_terms, only: torque_terms, linear_term, body_term, table_term, space_direction
-   use poinsot_effect_time_settings, only: times_key, read_time_table
+   use poinsot_effect_time_settings, only: times_key, table_file_key, read_time_table
    use poinsot_effect_row, only: effect_label, effect_row
    use poinsot_effect_settings, only: setting, effect_info, number_key, text_key, get_values, &
       get_value, get_text, was_given, body_vector
@@ -56,7 +56,7 @@ contains
                   times_key(), &
                   number_key("table", 3, -1, "", "torque", "three numbers for each time", &
                   body_vector, "frame"), &
-                  text_key("file", "", "", "scene only: file with lines of t, three torques")])
+                  table_file_key("scene only: file with lines of t, three torques")])
       row%make => make_torque
    end function torque_row
 

@@ -8,7 +8,8 @@ module poinsot_ensemble_compose
    use poinsot_effect_frame, only: depends_on_frame, turn_settings, turn_class_vectors, &
       has_class_vectors
    use poinsot_effect_gyrostat, only: gyrostat
-   use poinsot_effect_registry, only: describe_effect, effect_number, remake_effect
+   use poinsot_effect_registry, only: describe_effect, effect_number, remake_effect, &
+      noise_key
    use poinsot_effect_settings, only: setting, effect_info
    use poinsot_effect_terms, only: torque_terms
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, grow, refused
@@ -64,11 +65,12 @@ contains
          class is (gyrostat)
             plan%rotors_change = plan%rotors_change .or. allocated(one%table)
          end select
-         if (plan%effects(i)%it%name == "langevin" .and. size(plan%splitting%enter) > 0) then
+         if (size(plan%splitting%enter) > 0 .and. &
+             noise_key(trim(plan%effects(i)%it%name)) /= "") then
             call raise(error, poinsot_e_method, "splitting '"//trim(plan%splitting%name)// &
-                       "' works on processed momenta, and the noise of 'langevin' would heat " // &
-                       "them to "// &
-                       "another temperature; take one without a processor, 'strang' or 'srkn6'")
+                       "' works on processed momenta, and the noise of '"// &
+                       trim(plan%effects(i)%it%name)//"' would heat them to another "// &
+                       "temperature; take one without a processor, 'strang' or 'srkn6'")
             return
          end if
          if (plan%effects(i)%it%class_index > plan%class_count()) then

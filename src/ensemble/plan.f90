@@ -9,7 +9,7 @@ module poinsot_ensemble_plan
    use poinsot_body_class, only: body_class, make_class
    use poinsot_body_moments, only: accept_moments
    use poinsot_body_inertia, only: principal_axes, is_diagonal
-   use poinsot_core_number, only: parse_integer, parse_real, number_ok
+   use poinsot_core_number, only: lower, parse_integer, parse_real, number_ok
    use poinsot_rotation_conversions, only: from_matrix, to_matrix
    use poinsot_effect_effect, only: effect, effect_item, torque_effect, flow_effect, pair_effect
    use poinsot_effect_gyrostat, only: gyrostat
@@ -235,18 +235,22 @@ contains
    end subroutine update_index
 
    !> Set an option by name: method, splitting, layout, momentum, frame (of torques: body, space),
-   !> threads, seed, tolerance, physical (yes, no: of classes added from then on). POINSOT_E_METHOD
-   !> for an unknown name or value, with what there is.
-   subroutine set_option(plan, key, value, error)
+   !> threads, seed, tolerance, physical (yes, no: of classes added from then on). Options in any
+   !> case; blanks at the ends do not count. POINSOT_E_METHOD for an unknown name or value, with
+   !> what there is.
+   subroutine set_option(plan, option, text, error)
       type(poinsot_plan), intent(inout) :: plan
-      character(*), intent(in) :: key, value
+      character(*), intent(in) :: option, text
       type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: key, value
       character(9), parameter :: keys(9) = [character(9) :: "method", "splitting", "layout", &
          "momentum", "frame", "threads", "seed", "tolerance", "physical"]
       integer :: place
       integer(i8) :: number
 
       if (refused(plan, error)) return
+      key = lower(trim(adjustl(option)))
+      value = trim(adjustl(text))
       select case (key)
       case ("method")
          call find_method(value, plan%method, error)

@@ -236,7 +236,7 @@ contains
             do k = 1, size(self%at)
                associate (s => self%at(k))
                   if (one%acts_on(s%number)) then
-                     call one%lay_change(s%number, s%at, s%q, s%delta, self%changes)
+                     call one%scatter_change(s%number, s%at, s%q, s%delta, self%changes)
                   end if
                end associate
             end do

@@ -3,9 +3,11 @@ module poinsot_scene_build
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_nearest, only: suggestion
+   use poinsot_effect_registry, only: shown_key
    use poinsot_effect_settings, only: effect_info, setting
    use poinsot_scene_text, only: text_of, quoted, joined, next_word
-   use poinsot_scene_source, only: scene_source, find_group, find_groups, reject
+   use poinsot_scene_source, only: scene_source, scene_group, find_group, find_groups, reject, &
+      from_option
    use poinsot_scene_settings, only: scene_settings, body_total, is_auto
    use poinsot_scene_keys, only: scene_keys, bodies_keys, output_keys
    use poinsot_scene_names, only: effect_table, method_list, splitting_list, is_exact_method
@@ -230,6 +232,7 @@ contains
       type(scene_settings), intent(inout) :: scene
       type(poinsot_error), intent(inout) :: error
       real(dp), allocatable :: axis(:), centre(:)
+      character(:), allocatable :: key
       integer :: i
       call check_pictures(group, scene%output%pictures, error)
       if (raised(error)) return
@@ -237,8 +240,9 @@ contains
       scene%output%rate = number_of(group, "rate")
       allocate (centre(0))
       do i = 1, size(scene%effects)
-         if (scene%effects(i)%name /= "gravity") cycle
-         call get_setting(scene%effects(i)%settings, "centre", centre)
+         key = shown_key(scene%effects(i)%name, "centre")
+         if (key == "") cycle
+         call get_setting(scene%effects(i)%settings, key, centre)
          if (scene%output%pictures == "auto") scene%output%pictures = "top"
       end do
       if (scene%output%pictures == "auto") scene%output%pictures = "body"
@@ -354,13 +358,26 @@ contains
       call reject_key(group, "bodies", "must ascend, each number once", error)
    end subroutine build_choice
 
+   !> The line of a group, or --set, if that gave one of these keys.
+   pure integer function line_of(group, keys) result(line)
+      type(scene_group), intent(in) :: group
+      character(*), intent(in) :: keys(:)
+      integer :: i
+      line = group%line
+      do i = 1, group%count
+         if (any(keys == group%entries(i)%key) .and. group%entries(i)%line == from_option) &
+            line = from_option
+      end do
+   end function line_of
+
    !> What only the whole scene shows.
    subroutine check_run(source, scene, error)
       type(scene_source), intent(in) :: source
       type(scene_settings), intent(in) :: scene
       type(poinsot_error), intent(inout) :: error
       integer :: line
-      line = source%groups(find_group(source, "scene"))%line
+      line = line_of(source%groups(find_group(source, "scene")), &
+         [character(6) :: "h", "t_end", "method"])
       if (step_total(scene) > most_steps) then
          call reject(error, scene%file, line, "&scene: more than 1e15 steps; give a longer h")
       else if (is_auto(scene) .or. scene%splitting == "taylor") then

@@ -5,6 +5,7 @@ module poinsot_scene_compare
    use poinsot_core_maxima, only: larger, largest_of
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_rotation_quaternion, only: attitude_distance
+   use poinsot_scene_noise, only: has_noise
    use poinsot_scene_settings, only: scene_settings
    use poinsot_scene_schedule, only: piece, piece_count, get_piece
    use poinsot_scene_states, only: body_states, first_states
@@ -37,7 +38,7 @@ contains
       type(poinsot_error) :: refused
       report%reference = ""
       if (states%n == 0 .or. len(scene%from) > 0) return
-      if (any_random(scene)) return
+      if (has_noise(scene)) return
       call better_scene(scene, better, report%reference)
       call start_engine(better, motor, refused)
       if (.not. raised(refused)) call pick_bodies(scene, states, couples_bodies(motor), &
@@ -117,16 +118,6 @@ contains
          other%group(i) = one%group(1)
       end do
    end subroutine pick_bodies
-
-   !> Does a random force act?
-   pure logical function any_random(scene)
-      type(scene_settings), intent(in) :: scene
-      integer :: i
-      any_random = .false.
-      do i = 1, size(scene%effects)
-         if (scene%effects(i)%name == "langevin") any_random = .true.
-      end do
-   end function any_random
 
    !> At a quarter of the step; `taylor` at the run's own calls.
    subroutine run_finely(scene, motor, other, error)

@@ -3,8 +3,8 @@ module poinsot_scene_effects
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_effect_registry, only: make_effect
-   use poinsot_effect_settings, only: effect_info, setting, was_given, number_setting
-   use poinsot_scene_source, only: scene_source, find_groups, reject
+   use poinsot_effect_settings, only: effect_info, effect_key, setting, was_given, number_setting
+   use poinsot_scene_source, only: scene_source, find_groups, reject, from_option
    use poinsot_scene_text, only: text_of
    use poinsot_scene_names, only: effect_table
    use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
@@ -14,9 +14,6 @@ module poinsot_scene_effects
    implicit none(type, external)
    private
    public :: build_effects, body_positions
-
-   !> Effects whose table in time may stand in a file.
-   character(8), parameter :: file_users(2) = [character(8) :: "torque", "gyrostat"]
 
 contains
 
@@ -55,6 +52,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(typed_group) :: group
       type(poinsot_error) :: refused
+      integer :: i
       call type_group(source%file, source%groups(k), info, group, error)
       if (raised(error)) return
       item%name = group%name
@@ -66,15 +64,29 @@ contains
                        text_of(size(scene%bodies)), error)
          return
       end if
-      if (any(item%name == file_users)) call take_file(source%file, group, item, error)
-      if (item%name == "dipoles") call take_positions(scene, item)
-      if (raised(error)) return
+      do i = 1, size(info%keys)
+         if (info%keys(i)%is_table) call take_file(source%file, group, item, error)
+         if (info%keys(i)%positions_unless /= "") call take_positions(scene, info%keys(i), item)
+         if (raised(error)) return
+      end do
       call make_effect(item%name, item%settings, item%made, refused)
       if (raised(refused)) then
-         call reject(error, source%file, group%line, "&" // group%name // ": " // &
-                     without(refused%message, "effect '" // group%name // "': "))
+         call reject(error, source%file, blamed_line(group, refused%message), "&" // &
+            group%name // ": " // without(refused%message, "effect '" // group%name // "': "))
       end if
    end subroutine build_one
+
+   !> The line of the key that a message names, --set first; else that of the group.
+   pure integer function blamed_line(group, message) result(line)
+      type(typed_group), intent(in) :: group
+      character(*), intent(in) :: message
+      integer :: i
+      line = group%line
+      do i = 1, size(group%settings)
+         if (index(message, "'" // group%settings(i)%key // "'") == 0) cycle
+         if (line /= from_option) line = group%lines(i)
+      end do
+   end function blamed_line
 
    !> A message without its beginning, if that says what stands there already.
    pure function without(message, beginning) result(rest)
@@ -134,17 +146,19 @@ contains
       call move_alloc(longer, item%settings)
    end subroutine extend
 
-   !> Dipoles sit where the &bodies groups put their bodies, if they put them anywhere.
-   subroutine take_positions(scene, item)
+   !> Bodies are where the &bodies groups put them, if they put them anywhere.
+   subroutine take_positions(scene, key, item)
       type(scene_settings), intent(in) :: scene
+      type(effect_key), intent(in) :: key            !! which takes the positions
       type(effect_setting), intent(inout) :: item
       real(dp), allocatable :: position(:, :)
-      if (was_given(item%settings, "positions") .or. was_given(item%settings, "spacing")) return
+      if (was_given(item%settings, trim(key%name)) .or. &
+          was_given(item%settings, trim(key%positions_unless))) return
       if (body_total(scene) > 100000) return ! more than pairs are meant for: its own message
       call body_positions(scene, position)
       if (all(abs(position) <= 0)) return
       call extend(item, size(item%settings), &
-                  number_setting("positions", reshape(position, [size(position)])))
+                  number_setting(trim(key%name), reshape(position, [size(position)])))
    end subroutine take_positions
 
    !> Positions of all bodies, as their groups say.

@@ -9,8 +9,6 @@ module poinsot_scene_names
    private
    public :: method_list, splitting_list, effect_table, is_exact_method
 
-   character(*), parameter :: of_programs = "callback" !! an effect that no scene can hold
-
 contains
 
    !> Names of all methods, and `auto`.
@@ -44,7 +42,7 @@ contains
       do i = 1, effect_count
          n = n + 1
          effects(n) = describe_effect(i)
-         if (effects(n)%name == of_programs) n = n - 1
+         if (.not. effects(n)%by_name) n = n - 1
       end do
       effects = effects(:n)
    end subroutine effect_table

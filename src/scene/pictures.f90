@@ -6,6 +6,7 @@ module poinsot_scene_pictures
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_integrals, only: integral_list, scene_integrals
+   use poinsot_scene_noise, only: wanted_temperature
    use poinsot_scene_plot_data, only: put_variable
    use poinsot_scene_settings, only: scene_settings, body_total
    use poinsot_scene_text, only: next_word
@@ -111,21 +112,6 @@ contains
          rotors_change = rotors_change .or. allocated(scene%bodies(i)%rotor_tables%item)
       end do
    end function rotors_change
-
-   !> kT of the thermostat if there is one, else of the first momenta.
-   pure real(dp) function wanted_temperature(scene) result(kt)
-      type(scene_settings), intent(in) :: scene !! the typed scene
-      integer :: i, k
-      kt = maxval(scene%bodies%temperature)
-      do i = 1, size(scene%effects)
-         if (scene%effects(i)%name /= "langevin") cycle
-         do k = 1, size(scene%effects(i)%settings)
-            if (scene%effects(i)%settings(k)%key == "temperature") then
-               kt = scene%effects(i)%settings(k)%values(1)
-            end if
-         end do
-      end do
-   end function wanted_temperature
 
    !> Write trajectory.gp, if the scene has pictures. Error: POINSOT_E_IO.
    subroutine write_pictures(scene, out, error)

@@ -3,6 +3,7 @@
 !> so that a run continued from a restart takes the very same steps.
 module poinsot_scene_schedule
    use poinsot_core_kinds, only: dp, i8
+   use poinsot_effect_effect, only: effect, torque_effect
    use poinsot_scene_settings, only: scene_settings
    implicit none(type, external)
    private
@@ -70,26 +71,40 @@ contains
    end function whole_steps
 
    !> The first knot of a table of torques that lies within a step: there a scheme has order 2,
-   !> whatever
-   !> its own. Negative if all knots are ends of steps, or beyond the run.
-   pure real(dp) function knot_within_step(scene) result(knot)
-      type(scene_settings), intent(in) :: scene !! the typed scene
+   !> whatever its own. Negative if all knots are ends of steps, or beyond the run.
+   subroutine knot_within_step(scene, knot, name)
+      type(scene_settings), intent(in) :: scene              !! the typed scene
+      real(dp), intent(out) :: knot                          !! its time
+      character(:), allocatable, intent(out) :: name         !! of the effect that has the table
       integer :: i, k, j
       knot = -1
+      name = ""
       do i = 1, size(scene%effects)
-         if (scene%effects(i)%name /= "torque") cycle
+         if (.not. is_torque(scene%effects(i)%made)) cycle
          do k = 1, size(scene%effects(i)%settings)
             if (scene%effects(i)%settings(k)%key /= "times") cycle
             associate (times => scene%effects(i)%settings(k)%values)
                do j = 1, size(times)
                   if (.not. is_within_step(scene, times(j))) cycle
-                  if (knot < 0 .or. times(j) < knot) knot = times(j)
+                  if (knot < 0 .or. times(j) < knot) then
+                     knot = times(j)
+                     name = scene%effects(i)%name
+                  end if
                   exit
                end do
             end associate
          end do
       end do
-   end function knot_within_step
+   end subroutine knot_within_step
+
+   pure logical function is_torque(one)
+      class(effect), intent(in) :: one
+      is_torque = .false.
+      select type (one)
+      class is (torque_effect)
+         is_torque = .true.
+      end select
+   end function is_torque
 
    !> Does a time lie between two steps?
    pure logical function is_within_step(scene, t)

@@ -4,10 +4,11 @@ module poinsot_scene_settings
    use poinsot_core_kinds, only: dp, i8
    use poinsot_effect_effect, only: effect
    use poinsot_effect_settings, only: setting
+   use poinsot_effect_traits, only: effect_traits
    implicit none(type, external)
    private
    public :: scene_settings, body_group, effect_setting, output_settings, body_total, &
-      rotor_of, is_auto
+      rotor_of, is_auto, traits_of
    public :: random_none, random_uniform, random_thermal
 
    integer, parameter :: random_none = 0, random_uniform = 1, random_thermal = 2
@@ -107,6 +108,13 @@ contains
       type(scene_settings), intent(in) :: scene !! the typed scene
       is_auto = scene%method == "auto" .or. scene%splitting == "auto" .and. size(scene%effects) > 0
    end function is_auto
+
+   !> What an effect is to a run; the worst of one that is not made.
+   pure function traits_of(item) result(traits)
+      type(effect_setting), intent(in) :: item
+      type(effect_traits) :: traits
+      if (allocated(item%made)) call item%made%get_traits(traits)
+   end function traits_of
 
    !> The momentum of the gyrostats of a group at time t, principal axes.
    pure function rotor_of(bodies, t) result(rotor)

@@ -8,7 +8,7 @@ module poinsot_scene_summary
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
    use poinsot_scene_folder, only: file_name, run_files, files_row, file_separator
    use poinsot_scene_schedule, only: knot_within_step
-   use poinsot_scene_integrals, only: number_in
+   use poinsot_scene_noise, only: has_noise
    use poinsot_scene_settings, only: scene_settings, effect_setting, body_total
    use poinsot_scene_drift, only: drift_watch
    use poinsot_scene_states, only: body_states, to_scene_frame
@@ -72,7 +72,8 @@ contains
       type(scene_settings), intent(in) :: scene
       type(run_report), intent(in) :: report
       type(poinsot_error), intent(inout) :: error
-      character(:), allocatable :: effects
+      character(:), allocatable :: effects, name
+      real(dp) :: knot
       integer :: i
       call row(file, "state", report%state, error)
       if (report%state /= "complete") call row(file, "reason", report%reason, error)
@@ -88,18 +89,18 @@ contains
       call row(file, "effects", effects, error)
       call row(file, "method", report%method, error)
       if (size(scene%effects) > 0) call row(file, "splitting", report%splitting, error)
-      if (report%splitting /= "taylor" .and. knot_within_step(scene) >= 0) then
-         call row(file, "order at knots", "2: the table of &torque has a knot at t = " // &
-                  text_of(knot_within_step(scene)) // ", within a step; let steps end there", error)
-      end if
-      if (report%splitting == "baoab" .and. index(effects, "langevin") > 0) then
+      call knot_within_step(scene, knot, name)
+      if (report%splitting /= "taylor" .and. knot >= 0) call row(file, "order at knots", &
+         "2: the table of &" // name // " has a knot at t = " // text_of(knot) // &
+         ", within a step; let steps end there", error)
+      if (report%splitting == "baoab" .and. has_noise(scene)) then
          call row(file, "momenta", "are those at ends of steps, which baoab leaves cold by " // &
                   "O(h^2), those right after the noise are not; attitudes are sampled best so", &
                   error)
       end if
       if (report%splitting == "taylor") call row(file, "tolerance", text_of(scene%tolerance), error)
       if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
-      if (len(scene%chosen) > 0 .and. index(effects, "langevin") > 0) then
+      if (len(scene%chosen) > 0 .and. has_noise(scene)) then
          call row(file, "noise", "was off in the choice, whose errors are those of states; " // &
                   "averages: see splitting baoab", error)
       end if
@@ -115,7 +116,7 @@ contains
       character(:), allocatable :: text
       integer :: number
       text = ""
-      number = nint(number_in(item, "class"))
+      number = item%made%class_index
       if (number > 0) text = " of class " // text_of(number)
    end function on_class
 

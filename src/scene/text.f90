@@ -2,6 +2,7 @@
 module poinsot_scene_text
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_message, only: printable
+   use poinsot_core_number, only: lower
    implicit none(type, external)
    private
    public :: lower, text_of, printable, joined, quoted, escaped, reason_of, next_word
@@ -12,18 +13,6 @@ module poinsot_scene_text
    end interface text_of
 
 contains
-
-   !> ASCII lower case; other bytes stay.
-   pure function lower(text) result(small)
-      character(*), intent(in) :: text !! any text
-      character(len(text)) :: small
-      integer :: i, code
-      do i = 1, len(text)
-         code = iachar(text(i:i))
-         if (code >= iachar("A") .and. code <= iachar("Z")) code = code + 32
-         small(i:i) = achar(code)
-      end do
-   end function lower
 
    pure function text_of_integer(number) result(text)
       integer, intent(in) :: number

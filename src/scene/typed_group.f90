@@ -8,7 +8,7 @@ module poinsot_scene_typed_group
       get_values, get_text, was_given
    use poinsot_scene_text, only: text_of, quoted
    use poinsot_scene_source, only: scene_value, scene_entry, scene_group, value_null, &
-      value_number, value_text, value_logical
+      value_number, value_text, value_logical, from_option
    implicit none(type, external)
    private
    public :: typed_group, type_group, given, number_of, numbers_of, word_of, integer_of, plain, &
@@ -62,6 +62,7 @@ contains
             typed%settings(here)%key = group%entries(i)%key
             typed%lines(here) = group%entries(i)%line
          end if
+         if (group%entries(i)%line == from_option) typed%lines(here) = from_option
          k = find_key(info, group%entries(i)%key)
          if (k == 0) then
             call reject_unknown(info, typed%settings(:found), here, error, place_of(typed))

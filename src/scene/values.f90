@@ -1,9 +1,8 @@
 !> The values behind a key of a scene file: numbers, logicals, strings, repeats and null values.
 module poinsot_scene_values
-   use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_scene_text, only: lower, quoted
-   use poinsot_core_number, only: parse_real, parse_integer, number_range, number_ok
+   use poinsot_scene_text, only: lower, quoted, text_of
+   use poinsot_core_number, only: parse_real, parse_repeats, number_range, number_ok, most_repeats
    use poinsot_scene_source, only: scene_value, scene_entry, append, reject, value_number, &
       value_logical, value_text
    use poinsot_scene_cursor, only: cursor, open_cursor, skip, word_at, reject_key, newline, tab, &
@@ -12,7 +11,6 @@ module poinsot_scene_values
    private
    public :: scan_list, scan_values
 
-   integer(i8), parameter :: most_repeats = 100000000_i8
    character(*), parameter :: blanks = " " // tab
    character(*), parameter :: ends = " ,/!&='""" // tab // newline !! what ends a bare value
 
@@ -150,20 +148,12 @@ contains
       type(scene_entry), intent(in) :: entry
       type(scene_value), intent(inout) :: value
       type(poinsot_error), intent(inout) :: error
-      integer :: length, outcome
-      integer(i8) :: number
-      value%repeats = 0
-      length = verify(here%text(here%at:), "0123456789") - 1
-      if (length <= 0) return
-      if (here%text(here%at + length:here%at + length) /= "*") return
-      call parse_integer(here%text(here%at:here%at + length - 1), number, outcome)
-      if (outcome /= number_ok .or. number < 1 .or. number > most_repeats) then
-         call reject_key(here, group, entry, ": the repeat count " // quoted(word_at(here)) // &
-                       " is not from 1 to 100000000", error)
-         return
-      end if
-      value%repeats = int(number)
-      here%at = here%at + length + 1
+      integer :: length
+      logical :: good
+      call parse_repeats(here%text(here%at:), value%repeats, length, good)
+      if (.not. good) call reject_key(here, group, entry, ": the repeat count " // &
+         quoted(word_at(here)) // " is not from 1 to " // text_of(most_repeats), error)
+      here%at = here%at + length
    end subroutine scan_repeats
 
    !> A string, the cursor on its opening quote.

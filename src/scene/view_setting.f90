@@ -2,106 +2,94 @@
 !> satellite, body in a field; and the vectors of its bodies, along their principal axes.
 module poinsot_scene_view_setting
    use poinsot_core_kinds, only: dp
-   use poinsot_scene_integrals, only: vector_in, number_in, text_in, any_of
+   use poinsot_effect_registry, only: describe_effect, effect_number, shown_key
+   use poinsot_effect_settings, only: get_values
+   use poinsot_effect_traits, only: effect_traits
    use poinsot_scene_json, only: numbers_json, number_json
-   use poinsot_scene_settings, only: scene_settings, effect_setting
+   use poinsot_scene_settings, only: scene_settings, traits_of
    implicit none(type, external)
    private
    public :: view_setting, body_vectors
 
+   !> Of several kinds the page shows the last one here.
+   character(*), parameter :: kinds(*) = [character(8) :: "free", "gyrostat", "other", "field", &
+                                          "turning", "orbit", "top"]
+
 contains
 
    !> "kind", "up", and what belongs to the kind, as members of a JSON object. Of several effects of
-   !> one kind the first is shown.
+   !> one kind the first is shown; a field is, whatever the kind.
    function view_setting(scene) result(text)
       type(scene_settings), intent(in) :: scene !! the typed scene
       character(:), allocatable :: text
-      character(:), allocatable :: kind
-      integer :: i
-      kind = "free"
-      text = ""
-      do i = 1, size(scene%effects)
-         associate (item => scene%effects(i))
-            select case (item%name)
-            case ("gyrostat")
-               if (kind == "free") kind = "gyrostat"
-               if (any_of(item, "times") .and. kind == "gyrostat") kind = "other"
-            case ("gravity")
-               if (any_of(item, "rate")) then
-                  call add_turning(item, "up", kind, text)
-                  cycle
-               end if
-               kind = "top"
-               if (index(text, """up""") == 0) text = text // """up"": " // &
-                  numbers_json(vector_in(item, "up"), 9) // ", "
-            case ("spring")
-               call add_turning(item, "direction", kind, text)
-            case ("field")
-               if (kind /= "top") kind = "field"
-               if (index(text, """field""") > 0) cycle
-               text = text // """field"": {""motion"": """ // text_in(item, "motion") // &
-                  """, ""strength"": " // numbers_json(vector_in(item, "strength"), 9) // &
-                  ", ""frequency"": " // number_json(number_in(item, "frequency"), 9) // &
-                  ", ""phase"": " // number_json(number_in(item, "phase"), 9) // &
-                  ", ""axis"": " // numbers_json(vector_in(item, "axis"), 9) // "}, "
-            case ("gravity_gradient")
-               if (kind == "top") cycle
-               kind = "other"
-               if (text_in(item, "orbit") /= "circular") cycle
-               kind = "orbit"
-               if (index(text, """frame""") > 0) cycle
-               text = text // """frame"": {""axis"": " // &
-                  numbers_json(vector_in(item, "normal"), 9) // ", ""rate"": " // &
-                  number_json(number_in(item, "rate"), 9) // ", ""phase"": " // &
-                  number_json(number_in(item, "anomaly"), 9) // ", ""eccentricity"": " // &
-                  number_json(number_in(item, "eccentricity"), 9) // ", ""direction"": " // &
-                  numbers_json(vector_in(item, "radial"), 9) // "}, "
-            case default
-               if (kind == "free" .or. kind == "gyrostat") kind = "other"
-            end select
-         end associate
+      type(effect_traits) :: traits(size(scene%effects))
+      integer :: first(size(kinds)), i, k
+      first = 0
+      do i = 1, size(traits)
+         traits(i) = traits_of(scene%effects(i))
+         k = findloc(kinds, traits(i)%shown, dim=1)
+         if (k == 0) k = findloc(kinds, "other", dim=1)
+         if (first(k) == 0) first(k) = i
       end do
-      text = text // """kind"": """ // kind // ""","
+      k = max(1, findloc(first > 0, .true., dim=1, back=.true.))
+      text = ""
+      i = first(findloc(kinds, "field", dim=1))
+      if (i > 0) text = field_json(traits(i))
+      if (kinds(k) == "top") text = text // """up"": " // &
+         numbers_json(traits(first(k))%direction%at, 9) // ", "
+      if (kinds(k) == "turning" .or. kinds(k) == "orbit") text = text // &
+         frame_json(scene%effects(first(k))%name, traits(first(k)))
+      text = text // """kind"": """ // trim(kinds(k)) // ""","
    end function view_setting
 
+   !> A field in space.
+   function field_json(traits) result(text)
+      type(effect_traits), intent(in) :: traits
+      character(:), allocatable :: text
+      character(:), allocatable :: motion
+      associate (e => traits%direction)
+         motion = "static"
+         if (abs(e%rate) > 0) motion = "rotating"
+         if (traits%swings) motion = "oscillating"
+         text = """field"": {""motion"": """ // motion // """, ""strength"": " // &
+            numbers_json(e%at, 9) // ", ""frequency"": " // number_json(e%rate, 9) // &
+            ", ""phase"": " // number_json(e%phase, 9) // ", ""axis"": " // &
+            numbers_json(e%axis, 9) // "}, "
+      end associate
+   end function field_json
+
    !> A direction in space that turns: the motion is seen from the frame that turns with it.
-   subroutine add_turning(item, key, kind, text)
-      type(effect_setting), intent(in) :: item
-      character(*), intent(in) :: key !! of the direction
-      character(:), allocatable, intent(inout) :: kind, text
-      if (kind /= "top" .and. kind /= "orbit") kind = "other"
-      if (kind /= "other" .or. .not. any_of(item, "rate")) return
-      kind = "turning"
-      if (index(text, """frame""") > 0) return
-      text = text // """frame"": {""name"": """ // item%name // """, ""axis"": " // &
-         numbers_json(vector_in(item, "about"), 9) // ", ""rate"": " // &
-         number_json(number_in(item, "rate"), 9) // ", ""phase"": " // &
-         number_json(number_in(item, "phase"), 9) // ", ""eccentricity"": 0, ""direction"": " // &
-         numbers_json(vector_in(item, key), 9) // "}, "
-   end subroutine add_turning
+   function frame_json(name, traits) result(text)
+      character(*), intent(in) :: name !! of the effect
+      type(effect_traits), intent(in) :: traits
+      character(:), allocatable :: text
+      character(:), allocatable :: label
+      label = name
+      if (shown_key(name, "centre") /= "") label = "up"
+      associate (e => traits%direction)
+         text = """frame"": {""name"": """ // name // """, ""label"": """ // label // &
+            """, ""axis"": " // numbers_json(e%axis, 9) // ", ""rate"": " // &
+            number_json(e%rate, 9) // ", ""phase"": " // number_json(e%phase, 9) // &
+            ", ""eccentricity"": " // number_json(traits%eccentricity, 9) // &
+            ", ""direction"": " // numbers_json(e%at, 9) // "}, "
+      end associate
+   end function frame_json
 
    !> ", "centre": [...]" and so on: the body vectors of a group.
    function body_vectors(scene, group) result(text)
       type(scene_settings), intent(in) :: scene !! the typed scene
       integer, intent(in) :: group              !! number of a &bodies group
       character(:), allocatable :: text
-      real(dp) :: centre(3), rotor(3), dipole(3)
+      real(dp), dimension(3) :: centre, rotor, dipole
       logical :: heavy
       integer :: i
       heavy = .false.
-      centre = 0
-      rotor = 0
-      dipole = 0
       do i = 1, size(scene%effects)
-         associate (item => scene%effects(i))
-            heavy = heavy .or. item%name == "gravity"
-            if (.not. any(nint(number_in(item, "class")) == [0, group])) cycle
-            if (item%name == "gravity") centre = centre + vector_in(item, "centre")
-            if (item%name == "gyrostat") rotor = rotor + vector_in(item, "rotor")
-            if (item%name == "field" .or. item%name == "dipoles") dipole = dipole + &
-               vector_in(item, "dipole")
-         end associate
+         heavy = heavy .or. shown_key(scene%effects(i)%name, "centre") /= ""
       end do
+      centre = shown_vector(scene, group, "centre")
+      rotor = shown_vector(scene, group, "rotor")
+      dipole = shown_vector(scene, group, "dipole")
       text = ", ""axis"": " // along_axes(scene%output%axis)
       if (norm2(dipole) > 0) text = ", ""axis"": " // along_axes(dipole) // &
          ", ""dipole"": " // along_axes(dipole)
@@ -127,5 +115,29 @@ contains
       end function along_axes
 
    end function body_vectors
+
+   !> The sum of what the effects that act on a group show as this.
+   function shown_vector(scene, group, what) result(vector)
+      type(scene_settings), intent(in) :: scene
+      integer, intent(in) :: group
+      character(*), intent(in) :: what
+      real(dp) :: vector(3)
+      real(dp), allocatable :: values(:)
+      character(:), allocatable :: key
+      integer :: i
+      vector = 0
+      do i = 1, size(scene%effects)
+         associate (item => scene%effects(i))
+            key = shown_key(item%name, what)
+            if (key == "" .or. .not. item%made%acts_on(group)) cycle
+            call get_values(describe_effect(effect_number(item%name)), item%settings, key, values)
+            if (size(values) >= 3*group) then ! one for each class
+               vector = vector + values(3*group - 2:3*group)
+            else if (size(values) >= 3) then
+               vector = vector + values(:3)
+            end if
+         end associate
+      end do
+   end function shown_vector
 
 end module poinsot_scene_view_setting

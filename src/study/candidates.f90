@@ -9,6 +9,7 @@ module poinsot_study_candidates
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_free_method, only: free_method, find_method, method_count, method_name
    use poinsot_scene_names, only: effect_table
+   use poinsot_scene_noise, only: has_noise, noise_setting
    use poinsot_scene_settings, only: scene_settings, body_group, effect_setting, &
       random_thermal
    use poinsot_scene_text, only: quoted
@@ -58,11 +59,12 @@ contains
       if (raised(error)) return
       kind%coupled = plan%coupled
       kind%free = size(scene%effects) == 0
+      kind%noisy = has_noise(scene)
       call effect_table(known)
       do i = 1, size(plan%effects)
          select type (one => plan%effects(i)%it)
          class is (flow_effect)
-            kind%noisy = kind%noisy .or. one%only_forward()
+            continue
          class default
             kind%kicks = .true.
          end select
@@ -85,13 +87,11 @@ contains
       integer :: i, j
       quiet = scene
       do i = 1, size(quiet%effects)
-         if (quiet%effects(i)%name /= "langevin") cycle
-         do j = 1, size(quiet%effects(i)%settings)
-            if (quiet%effects(i)%settings(j)%key /= "temperature") cycle
-            call warm(quiet%effects(i), quiet%effects(i)%settings(j)%values(1), quiet%bodies)
-            quiet%effects(i)%settings(j)%values = [0.0_dp]
-            deallocate (quiet%effects(i)%made)
-         end do
+         j = noise_setting(quiet%effects(i))
+         if (j == 0) cycle
+         call warm(quiet%effects(i), quiet%effects(i)%settings(j)%values(1), quiet%bodies)
+         quiet%effects(i)%settings(j)%values = [0.0_dp]
+         deallocate (quiet%effects(i)%made)
       end do
    end subroutine quiet_scene
 

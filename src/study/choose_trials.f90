@@ -4,6 +4,7 @@ module poinsot_study_choose_trials
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_schedule, only: piece_count
+   use poinsot_scene_noise, only: has_noise
    use poinsot_scene_settings, only: scene_settings, body_total
    use poinsot_study_candidates, only: candidate, scene_kind, survey_scene, quiet_scene, &
       list_candidates, plan_splitting
@@ -100,15 +101,8 @@ contains
          answer%given = task%members%given
       end associate
       answer%total = body_total(scene)
-      answer%noisy = any_noise(scene)
+      answer%noisy = has_noise(scene)
    end subroutine prepare_trials
-
-   !> Does a thermostat make noise, which the trials have not?
-   pure logical function any_noise(scene)
-      type(scene_settings), intent(in) :: scene
-      integer :: i
-      any_noise = any([(scene%effects(i)%name == "langevin", i=1, size(scene%effects))])
-   end function any_noise
 
    !> A reference good enough for the tolerance, to the scene's end or, where that takes too long,
    !> to an earlier time; errors are then taken to grow in proportion to time.
