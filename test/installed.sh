@@ -209,7 +209,7 @@ study_pictures() {
       done
    done
 }
-exports() { test/exports.sh "$prefix/lib/libpoinsot.so" "$prefix/lib/libpoinsot.a"; }
+exports() { test/exports.sh "$prefix/lib/libpoinsot.so"; }
 # Enough threads of OpenMP that are still there when the library is closed.
 unload() {
    "$CC" -std=c99 -D_POSIX_C_SOURCE=200809L test/consumer/unload.c -o $work/build/unload -ldl &&
