@@ -1,5 +1,5 @@
 #!/bin/sh
-# What poinsot's rotation gains in this program: runs, numbers and pictures, into runs/. About ten minutes on one core.
+# What poinsot's rotation gains in this program: runs, numbers and pictures, into runs/. About twenty minutes on one core; half of that is the thermostat.
 #
 # environment: PS  picoseconds per run (4)
 
