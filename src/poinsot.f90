@@ -170,15 +170,15 @@ contains
       team = 0
       if (present(threads)) team = threads
       call rotate_bodies(body, chosen, h, steps, view, team, status, error)
-      call hand_out_status(status, error)
+      call raise_status(status, error)
    end subroutine rotate_rows
 
    !> Some bodies failed: that is an error too.
-   subroutine hand_out_status(status, error)
+   subroutine raise_status(status, error)
       integer, intent(in) :: status
       type(poinsot_error), intent(inout) :: error
       if (status /= poinsot_ok .and. .not. raised(error)) call raise(error, status)
-   end subroutine hand_out_status
+   end subroutine raise_status
 
    !> A view of bodies in rows: y(3, n), or (4, n) for a conjugate momentum, q(4, n).
    subroutine poinsot_bodies_rows(bodies, y, q, error)
@@ -313,7 +313,7 @@ contains
       integer :: status
       if (.not. admitted(error)) return
       call drift_bodies(plan, bodies, h, status, error)
-      call hand_out_status(status, error)
+      call raise_status(status, error)
    end subroutine poinsot_drift
 
    !> y += h torque for all bodies.
@@ -334,7 +334,7 @@ contains
          columns(j)%of => torque(j, :)
       end do
       call kick_bodies(plan, bodies, h, columns, status, error)
-      call hand_out_status(status, error)
+      call raise_status(status, error)
    end subroutine poinsot_kick
 
    !> The flow of the plan's drag and thermostats over h, in the middle of a host's own step: kick
@@ -349,7 +349,7 @@ contains
       integer :: status
       if (.not. admitted(error)) return
       call dissipate_bodies(plan, bodies, h, step, status, error)
-      call hand_out_status(status, error)
+      call raise_status(status, error)
    end subroutine dissipate_long
 
    !> The same with a number of default kind.
@@ -373,7 +373,7 @@ contains
       integer :: status
       if (.not. admitted(error)) return
       call step_bodies(plan, bodies, t, h, first, steps, status, error, callback)
-      call hand_out_status(status, error)
+      call raise_status(status, error)
    end subroutine step_long
 
    !> The same with numbers of default kind.
@@ -397,7 +397,7 @@ contains
       integer :: status
       if (.not. admitted(error)) return
       call body_energies(plan, bodies, t, kinetic, potential, status, error)
-      call hand_out_status(status, error)
+      call raise_status(status, error)
    end subroutine poinsot_energy
 
    !> Angular momentum of each body in the space frame.
@@ -409,7 +409,7 @@ contains
       integer :: status
       if (.not. admitted(error)) return
       call body_momenta(plan, bodies, momentum, status, error)
-      call hand_out_status(status, error)
+      call raise_status(status, error)
    end subroutine poinsot_momentum
 
 end module poinsot

@@ -304,8 +304,8 @@ contains
          call clear(failure)
          call read_settings(trim(texts(i)), settings, failure)
          if (.not. raised(failure)) call make_effect(" Gravity ", settings, made, failure)
-         call expect(error, raised(failure) .neqv. i <= taken, "a program's '" // trim(texts(i)) // &
-            "': " // said(failure))
+         call expect(error, raised(failure) .neqv. i <= taken, "a program's '" // &
+            trim(texts(i)) // "': " // said(failure))
          if (i <= taken) call expect(error, settings(1)%key == "centre" .and. &
             all(abs(settings(1)%values - [0, 0, 3]) <= 0), "a program's " // texts(i))
          text = texts(i)

@@ -93,8 +93,8 @@ contains
                   "the shape that was told")
       call expect(error, index(page, """shape"": ""racket""") > 0, "the shape to be drawn")
       call expect(error, index(page, """kind"": ""turning""") > 0, "no direction that turns")
-      call expect(error, index(page, """frame"": {""name"": ""spring"", ""label"": ""spring"", " // &
-                  """axis"": [0,0,1], ""rate"": 0.05, ""phase"": 0,") > 0, &
+      call expect(error, index(page, """frame"": {""name"": ""spring"", " // &
+                  """label"": ""spring"", ""axis"": [0,0,1], ""rate"": 0.05, ""phase"": 0,") > 0, &
                   "how the direction turns")
    end subroutine test_two
 

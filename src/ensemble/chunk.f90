@@ -7,7 +7,7 @@ module poinsot_ensemble_chunk
    implicit none(type, external)
    private
    public :: chunk_length, chunk_count, class_sorted_chunk, collect_chunk, next_block, &
-      refuse_rounding
+      reject_chunk
 
    integer, parameter :: short = 8*lanes         !! bodies in a chunk where all are of one class
    integer, parameter :: long = 256*lanes        !! at most where there are more: blocks fill up
@@ -71,7 +71,7 @@ contains
 
    !> Refuse the bodies of chunk number k, POINSOT_E_DOMAIN, but for those that are skipped: this
    !> thread does not round to nearest, and nothing that it computes would be right.
-   subroutine refuse_rounding(view, length, k, refused)
+   subroutine reject_chunk(view, length, k, refused)
       type(body_view), intent(in) :: view
       integer, intent(in) :: length           !! chunk_length
       integer, intent(in) :: k                !! chunk, from 1
@@ -84,7 +84,7 @@ contains
          refused = refused .or. .not. skipped
          if (associated(view%status)) view%status(i) = merge(poinsot_ok, poinsot_e_domain, skipped)
       end do
-   end subroutine refuse_rounding
+   end subroutine reject_chunk
 
    !> Classes that are there, in the order of their places; then sorted if they are not.
    subroutine sort_by_class(view, classes, last, h, refused)

@@ -7,7 +7,7 @@ module poinsot_ensemble_coupled
       poinsot_e_partial
    use poinsot_ensemble_block, only: clock, reject_energies
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_ensemble_chunk, only: refuse_rounding
+   use poinsot_ensemble_chunk, only: reject_chunk
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_ensemble_system, only: torque_callback, ensemble_flows, scatter_all, add_pairs
    use poinsot_ensemble_gather, only: saved_state, gather_all, store_all, save_state, restore_state
@@ -35,7 +35,7 @@ contains
 
       failed = .false.
       if (.not. rounds_to_nearest()) then
-         call refuse_rounding(view, view%n, 1, failed)
+         call reject_chunk(view, view%n, 1, failed)
          status = merge(poinsot_e_partial, poinsot_ok, failed)
          return
       end if
@@ -88,7 +88,7 @@ contains
 
       failed = .false.
       if (.not. rounds_to_nearest()) then
-         call refuse_rounding(view, view%n, 1, failed)
+         call reject_chunk(view, view%n, 1, failed)
          status = merge(poinsot_e_partial, poinsot_ok, failed)
          return
       end if

@@ -13,7 +13,7 @@ module poinsot_ensemble_drive
       load_block, store_block, store_status
    use poinsot_ensemble_bodies, only: body_view
    use poinsot_ensemble_chunk, only: class_sorted_chunk, chunk_length, chunk_count, collect_chunk, &
-      next_block, refuse_rounding
+      next_block, reject_chunk
    use poinsot_ensemble_layout, only: body_momentum
    use poinsot_ensemble_plan, only: poinsot_plan
    use poinsot_free_lane_moments, only: lane_moments
@@ -130,7 +130,7 @@ contains
       integer :: at(lanes), n, c, classes
 
       if (.not. rounds_to_nearest()) then ! asked by the thread that computes
-         call refuse_rounding(host%view, length, k, failed)
+         call reject_chunk(host%view, length, k, failed)
          return
       end if
       classes = 1

@@ -42,7 +42,7 @@ module poinsot_ensemble_system
       type(block_flows), allocatable :: at(:)
       type(lane_moments), allocatable :: own(:)  !! moments of the bodies' own, of each block
       class(torque_callback), pointer :: callback => null()
-      real(dp), allocatable :: sources(:, :, :)  !! (3, n, effects): what pair effects lay out
+      real(dp), allocatable :: sources(:, :, :)  !! (3, n, effects): what pair effects scatter
       real(dp), allocatable :: changes(:, :)     !! (3, n): its derivative, of one effect
       real(dp), allocatable :: q(:, :)           !! (n, 4): what the callback sees
       real(dp), allocatable :: torque(:, :)      !! (n, 3): what it answers

@@ -365,8 +365,8 @@ contains
       integer :: i
       line = group%line
       do i = 1, group%count
-         if (any(keys == group%entries(i)%key) .and. group%entries(i)%line == from_option) &
-            line = from_option
+         if (any(keys == group%entries(i)%key)) line = merge(from_option, line, &
+            group%entries(i)%line == from_option)
       end do
    end function line_of
 

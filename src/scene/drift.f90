@@ -28,7 +28,7 @@ module poinsot_scene_drift
 
 contains
 
-   !> Remember the start; `start_energy` follows.
+   !> Note the start; `start_energy` follows.
    subroutine start_drift(states, drift, code)
       type(body_states), intent(in) :: states          !! of this rank
       type(drift_watch), intent(out) :: drift
@@ -46,7 +46,7 @@ contains
       drift%size_y = drift%length
    end subroutine start_drift
 
-   !> Remember the energy of all bodies at the start. All ranks call.
+   !> Note the energy of all bodies at the start. All ranks call.
    subroutine start_energy(kinetic, potential, ranks, drift)
       real(dp), intent(in) :: kinetic(:), potential(:) !! (n): of this rank's bodies
       class(communicator), intent(inout) :: ranks

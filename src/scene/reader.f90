@@ -53,7 +53,7 @@ contains
          call skip(here)
          if (here%at > len(here%text)) exit
          if (here%text(here%at:here%at) /= "&") then
-            call reject(error, file, here%line, quoted(word_at(here)) // " stands outside of " // &
+            call reject(error, file, here%line, quoted(word_at(here)) // " is outside of " // &
                         "a group; a group begins with &name and ends with /, a comment with !")
             return
          end if
