@@ -20,7 +20,7 @@ module test_study
    use poinsot_study_cost_point, only: cost_point, digest, frontier, cheapest, middle, worst, &
       of_angle, of_both
    use poinsot_study_cost_curves, only: find_curve
-   use poinsot_study_cost_files, only: write_points
+   use poinsot_study_cost_files, only: write_points, write_report
    use poinsot_study_efficient, only: frontier_part, frontier_parts, leading_parts
    use poinsot_study_errors, only: attitude_error, body_errors
    use poinsot_study_members, only: member_set, draw_members, any_direction
@@ -329,11 +329,22 @@ contains
    subroutine empty_fields(error)
       type(error_type), allocatable, intent(out) :: error
       type(cost_study) :: study
+      type(cost_request) :: request
+      type(scene_settings) :: scene
       type(poinsot_error) :: failure
       character(:), allocatable :: text, line
       integer :: i, at
       call small_study("heavy-top", [character(24) :: "exact"], [character(24) :: "taylor"], &
          study, error)
+      if (allocated(error)) return
+      call open_scene("heavy-top", as_it_is, scene, failure)
+      call write_report("build/test-cost.txt", scene, request, study, [1e-3_dp], failure)
+      call expect(error, .not. raised(failure), failure%message)
+      call get_text("build/test-cost.txt", text)
+      line = text(index(text, " taylor     0"):)
+      line = line(:index(line, new_line("a")) - 1)
+      call expect(error, index(line, "0.00") == 0 .and. line(len(line):) == "-", "no time: " // &
+         line)
       if (allocated(error)) return
       study%points(2)%good = .false.
       study%points(3)%repeats = 1

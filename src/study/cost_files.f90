@@ -370,6 +370,7 @@ contains
                write (line, "(a30, i6, f6.1, 3es10.1e2, f10.2, i7, a2, f12.1)") &
                   label_of(study%candidates(i)), study%candidates(i)%order, slope, least, p%ns, &
                   nint(100*p%ns_spread), " %", p%single
+               if (p%repeats == 0) line(73:) = "         -" // "        -" // "           -"
             end associate
             if (.not. slope > 0) line(37:42) = "     -"
          end if

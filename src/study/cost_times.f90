@@ -21,8 +21,9 @@ module poinsot_study_cost_times
 
 contains
 
-   !> Time all points in rounds; when another round of all would go beyond the budget, those that
-   !> may be on the frontier only.
+   !> Time all points in rounds, those first that may be on the frontier: of them there are times
+   !> even where other programs leave little of the budget. When another round of all would go
+   !> beyond it, those only.
    subroutine take_times(request, begun, watch, climbers, study)
       type(cost_request), intent(in) :: request
       real(dp), intent(in) :: begun
@@ -32,8 +33,8 @@ contains
       type(member_set) :: many, one
       real(dp), allocatable :: ns(:, :), alone(:, :)
       real(dp) :: left, round_took
-      logical :: wanted(size(study%points))
-      integer :: i, round
+      logical, dimension(size(study%points)) :: wanted, likely
+      integer :: i, round, half
       many = study%members
       if (study%members%together == 1) call repeat_members(study%members, request%ensemble, many)
       one = study%members
@@ -44,9 +45,9 @@ contains
       ns = 0
       alone = 0
       left = time_share*request%budget - (wall_seconds() - begun)
-      if (first_round*count(wanted) > left) then
-         call near_frontier(study%points, study%points%guess, wanted)
-      end if
+      likely = wanted
+      call near_frontier(study%points, study%points%guess, likely)
+      if (first_round*count(wanted) > left) wanted = likely
       do round = 1, most_rounds
          left = time_share*request%budget - (wall_seconds() - begun)
          if (round > 1 .and. round_took*(4 - min(round, 3)) > left) then
@@ -57,21 +58,15 @@ contains
          end if
          if (left <= 0) exit
          round_took = wall_seconds()
-         do i = 1, size(study%points)
-            associate (p => study%points(i), plan => climbers(study%points(i)%candidate)%plan)
+         do half = 1, 2
+            do i = 1, size(study%points)
+               if (likely(i) .neqv. half == 1) cycle
                if (watch%stop_now()) study%stopped = .true.
                if (.not. wanted(i) .or. study%stopped) cycle
                if (wall_seconds() - begun > time_share*request%budget) cycle
-               if (p%tolerance > 0) call set_tolerance(climbers(p%candidate)%plan, p%tolerance)
-               call time_steps(plan, many, p%h, p%guess, one_run, p%steps, request%compensated, &
-                               ns(round, i))
-               if (study%members%together == 1) then
-                  call time_steps(plan, one, p%h, lanes*p%guess, 0.5_dp*one_run, p%steps, &
-                                  request%compensated, alone(round, i))
-               end if
-               p%repeats = round
-            end associate
-            call watch%report_progress(wall_seconds() - begun, request%budget)
+               call time_point(i)
+               call watch%report_progress(wall_seconds() - begun, request%budget)
+            end do
          end do
          if (study%stopped) exit
          round_took = wall_seconds() - round_took
@@ -82,6 +77,23 @@ contains
             if (p%good .and. p%repeats == 0) study%untimed = study%untimed + 1
          end associate
       end do
+
+   contains
+
+      subroutine time_point(i)
+         integer, intent(in) :: i
+         associate (p => study%points(i), plan => climbers(study%points(i)%candidate)%plan)
+            if (p%tolerance > 0) call set_tolerance(climbers(p%candidate)%plan, p%tolerance)
+            call time_steps(plan, many, p%h, p%guess, one_run, p%steps, request%compensated, &
+                            ns(round, i))
+            if (study%members%together == 1) then
+               call time_steps(plan, one, p%h, lanes*p%guess, 0.5_dp*one_run, p%steps, &
+                               request%compensated, alone(round, i))
+            end if
+            p%repeats = round
+         end associate
+      end subroutine time_point
+
    end subroutine take_times
 
    !> Points that cost at most `near` times the cheapest of their accuracy, so far.

@@ -222,7 +222,7 @@ contains
       associate (m => problem%linear(:, :, 1))
          e = [m(1, 2), m(1, 3), m(2, 3), m(2, 1), m(3, 1), m(3, 2)]
       end associate
-      do b = 1, parts
+      do b = 1, used
          !GCC$ ivdep
          do l = 1, d_width
             cs%arm(l + (b - 1)*d_width, 1) = real(e(1)*scale(l, b), sp)
@@ -261,33 +261,43 @@ contains
    end subroutine seen
 
    !> Orders 0 to k in single precision.
-   subroutine to_single(k, two, used, store)
+   pure subroutine to_single(k, two, used, store)
       integer, intent(in) :: k
       logical, intent(in) :: two
       integer, intent(in) :: used
       type(series_store), intent(inout) :: store
-      integer :: b, i, j, l
-      do j = 0, k
-         do b = 1, used
-            do i = 1, 3
-               !GCC$ ivdep
-               do l = 1, d_width
-                  store%ws(l + (b - 1)*d_width, i, j) = real(store%w(l, i, j, b), sp)
-                  store%ns(l + (b - 1)*d_width, i, j) = real(store%n(l, i, j, b), sp)
-               end do
-               if (.not. two) cycle
-               !GCC$ ivdep
-               do l = 1, d_width
-                  store%ms(l + (b - 1)*d_width, i, j) = real(store%m(l, i, j, b), sp)
-               end do
-            end do
-            if (two .or. k == 0) cycle     ! the series begin with these
+      integer :: b, j, l, at
+      do b = 1, used
+         at = (b - 1)*d_width
+         do j = 0, k
             !GCC$ ivdep
             do l = 1, d_width
-               store%ds(l + (b - 1)*d_width, j) = real(store%d(l, j, b), sp)
-               store%ps(l + (b - 1)*d_width, j) = real(store%p(l, j, b), sp)
+               store%ws(at + l, 1, j) = real(store%w(l, 1, j, b), sp)
+               store%ws(at + l, 2, j) = real(store%w(l, 2, j, b), sp)
+               store%ws(at + l, 3, j) = real(store%w(l, 3, j, b), sp)
+               store%ns(at + l, 1, j) = real(store%n(l, 1, j, b), sp)
+               store%ns(at + l, 2, j) = real(store%n(l, 2, j, b), sp)
+               store%ns(at + l, 3, j) = real(store%n(l, 3, j, b), sp)
             end do
          end do
+         if (two) then
+            do j = 0, k
+               !GCC$ ivdep
+               do l = 1, d_width
+                  store%ms(at + l, 1, j) = real(store%m(l, 1, j, b), sp)
+                  store%ms(at + l, 2, j) = real(store%m(l, 2, j, b), sp)
+                  store%ms(at + l, 3, j) = real(store%m(l, 3, j, b), sp)
+               end do
+            end do
+         else if (k > 0) then                ! the series begin with these
+            do j = 0, k
+               !GCC$ ivdep
+               do l = 1, d_width
+                  store%ds(at + l, j) = real(store%d(l, j, b), sp)
+                  store%ps(at + l, j) = real(store%p(l, j, b), sp)
+               end do
+            end do
+         end if
       end do
    end subroutine to_single
 
@@ -495,7 +505,7 @@ contains
       type(lane_state), intent(inout) :: a
       real(dp) :: q1, q2, q3, q4, t1, t2, t3, t4, d1, d2, d3, d4, e
       integer :: l, b, k
-      do b = 1, parts
+      do b = 1, a%parts
          k = (b - 1)*d_width
          associate (y => a%y(:, :, b), q => a%q(:, :, b), p => a%p(:, b), left => a%left(:, b))
             !GCC$ ivdep
@@ -532,7 +542,7 @@ contains
       type(lane_state), intent(inout) :: a
       real(dp) :: s, c, e, d(d_width, 4)
       integer :: i, l, b
-      do b = 1, parts
+      do b = 1, a%parts
          do i = 1, 3
             !GCC$ ivdep
             do l = 1, d_width
