@@ -106,7 +106,8 @@ contains
       integer :: i
       do i = 1, size(points)
          cost_of(i) = ns(i)/points(i)%h
-         deviation(i) = error_of(points(i), of_both, middle)
+         deviation(i) = huge(deviation)
+         if (points(i)%good) deviation(i) = error_of(points(i), of_both, middle)
       end do
       do i = 1, size(points)
          if (.not. wanted(i)) cycle
