@@ -122,7 +122,7 @@ contains
             call system_clock(start)
             do i = 1, steps
                if (anew) call make_lane_constants(m, groups, c, status)
-               if (turns) call advance_each(c, .false., h, y, q, status, groups)
+               if (turns) call advance_each(c, .false., h, 1, y, q, status, groups)
             end do
             best = min(best, since(start)/(steps*lanes))
          end do

@@ -115,9 +115,9 @@ contains
       call make_lane_constants(m, groups, c, sb)
       do i = 1, steps
          if (compensate) then
-            call advance_each(c, by_jacobi, hl, yb, qb, sb, groups, carry)
+            call advance_each(c, by_jacobi, hl, 1, yb, qb, sb, groups, carry)
          else
-            call advance_each(c, by_jacobi, hl, yb, qb, sb, groups)
+            call advance_each(c, by_jacobi, hl, 1, yb, qb, sb, groups)
          end if
       end do
       y = yb(lane, :)

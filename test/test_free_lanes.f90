@@ -261,11 +261,11 @@ contains
             call make_lane_constants(m, n/group, moved, few)
             m = cshift(m, -shift)
             if (mod(k, 2) == 1) then
-               call advance_each(c, by_jacobi, h, y, q, status, groups)
-               call advance_each(moved, by_jacobi, cshift(h, shift), z, r, few, n/group)
+               call advance_each(c, by_jacobi, h, 1, y, q, status, groups)
+               call advance_each(moved, by_jacobi, cshift(h, shift), 1, z, r, few, n/group)
             else
-               call advance_each(c, by_jacobi, h, y, q, status, groups, carry)
-               call advance_each(moved, by_jacobi, cshift(h, shift), z, r, few, n/group, other)
+               call advance_each(c, by_jacobi, h, 1, y, q, status, groups, carry)
+               call advance_each(moved, by_jacobi, cshift(h, shift), 1, z, r, few, n/group, other)
             end if
             y = cshift(y, shift)
             q = cshift(q, shift)
@@ -312,7 +312,7 @@ contains
       call expect(error, all((status == poinsot_e_domain) .eqv. bad), "what is refused")
       y = y0
       q = q0
-      call advance_each(c, .false., h, y, q, status, groups)
+      call advance_each(c, .false., h, 1, y, q, status, groups)
       call expect(error, all((status == poinsot_e_domain) .eqv. bad), "other statuses")
       do l = 1, lanes
          if (bad(l)) call expect(error, all(abs(y(l, :) - y0(l, :)) <= 0) .and. &
@@ -345,7 +345,7 @@ contains
       status = poinsot_ok
       m = spread(generic, 1, lanes)
       call make_lane_constants(m, groups, c, status)
-      call advance_each(c, .false., h, y, q, status, groups)
+      call advance_each(c, .false., h, 1, y, q, status, groups)
       call expect(error, all(status == poinsot_e_step), "far too long a step")
    end subroutine test_refused
 
@@ -370,8 +370,8 @@ contains
          carry = 0
          call make_lane_constants(m, 1, c, status)
          do l = 1, many
-            if (k == 1) call advance_each(c, .false., h, y, q, status, 1)
-            if (k == 2) call advance_each(c, .false., h, y, q, status, 1, carry)
+            if (k == 1) call advance_each(c, .false., h, 1, y, q, status, 1)
+            if (k == 2) call advance_each(c, .false., h, 1, y, q, status, 1, carry)
          end do
          do l = 1, group
             before = sum(y0(l, :)**2/m(l, :))

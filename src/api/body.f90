@@ -150,11 +150,12 @@ contains
       type(c_ptr), intent(in) :: per_body      !! int[n], or NULL
       integer(c_int), intent(out) :: status
       type(plain_arrays) :: a
+      integer :: none_left
       logical :: failed
       if (n > 0 .and. n <= one_chunk .and. class%sorted(1) > 0 .and. ieee_is_finite(h) .and. &
           .not. needs_more(class, method%terms)) then
          call open_rows(n, y, q, per_body, a)
-         call rotate_direct(class, method, body_momentum, h, steps, .false., a, failed)
+         call rotate_direct(class, method, body_momentum, h, steps, .false., a, failed, none_left)
          status = merge(poinsot_e_partial, poinsot_ok, failed)
       else
          call rotate_many(class, method, h, steps, threads, n, y, q, per_body, status)

@@ -9,12 +9,14 @@ module poinsot_api_step
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_ok, poinsot_e_memory, poinsot_e_null, poinsot_e_partial
-   use poinsot_ensemble_bodies, only: body_view, column, most_bodies, open_column, poinsot_bodies
+   use poinsot_ensemble_bodies, only: body_view, column, most_bodies, open_column, &
+      poinsot_bodies, view_from
    use poinsot_ensemble_check, only: check_ready
    use poinsot_ensemble_direct, only: adds_direct, is_free, kick_direct, momentum_columns, &
       rotate_direct, takes_direct
    use poinsot_ensemble_layout, only: space_momentum
-   use poinsot_ensemble_plain, only: open_plain, open_torques, plain_arrays, plain_torques
+   use poinsot_ensemble_plain, only: open_moments, open_plain, open_torques, plain_arrays, &
+      plain_torques
    use poinsot_ensemble_system, only: torque_callback
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
    use poinsot_ensemble_dissipate, only: dissipate_bodies
@@ -72,60 +74,67 @@ contains
       type(plan_handle), pointer :: p
       type(body_view) :: view
       type(poinsot_error) :: error
-      logical :: done
-      call drift_plain(plan, bodies, h, one_drift, done, status)
-      if (done) return
+      integer(c_int) :: before
+      integer :: left
+      call drift_plain(plan, bodies, h, one_drift, left, before)
+      status = before
+      if (left == 0) return
       call open_both(plan, bodies, p, view, status)
+      if (left > 1) view = view_from(view, left)
       if (status == poinsot_ok) call drift_bodies(p%plan, view, h, status, error)
+      if (status == poinsot_ok) status = before
    end function drift
 
    !> The short way, if a plan and a view ask for no more: bodies of the first class, nothing but y,
-   !> q and status.
-   subroutine drift_plain(plan, bodies, h, steps, done, status)
+   !> q, status, and scale or moments.
+   subroutine drift_plain(plan, bodies, h, steps, left, status)
       type(c_ptr), intent(in) :: plan, bodies
       real(c_double), intent(in) :: h
       integer, intent(in) :: steps           !! of h, with nothing that acts; or one_drift
-      logical, intent(out) :: done           !! else it is for others
-      integer(c_int), intent(out) :: status
+      integer, intent(out) :: left           !! the first body that is for others; 0: none
+      integer(c_int), intent(out) :: status  !! of those before it
       type(plan_handle), pointer :: p
       type(poinsot_bodies), pointer :: b
       type(plain_arrays) :: a
-      logical :: failed
-      call find_plain(plan, bodies, h, p, b, done)
+      logical :: failed, plain
+      left = 1
       status = poinsot_ok
-      if (done .and. steps /= one_drift) done = is_free(p%plan)
-      if (.not. done) return
+      call find_plain(plan, bodies, h, p, b, plain)
+      if (plain .and. steps /= one_drift) plain = is_free(p%plan)
+      if (.not. plain) return
       call open_arrays(p, b, a)
       call rotate_direct(p%plan%classes(1)%it, p%plan%method, p%plan%momentum, h, &
                          merge(1, steps, steps == one_drift), &
-                         steps == one_drift .and. p%plan%momentum == space_momentum, a, failed)
+                         steps == one_drift .and. p%plan%momentum == space_momentum, a, failed, &
+                         left)
       if (failed) status = poinsot_e_partial
    end subroutine drift_plain
 
    !> The same for a kick by torques in the frame of the momenta.
-   subroutine kick_plain(plan, bodies, h, torque, stride, done, status)
+   subroutine kick_plain(plan, bodies, h, torque, stride, left, status)
       type(c_ptr), intent(in) :: plan, bodies, torque
       real(c_double), intent(in) :: h
       integer(c_ptrdiff_t), intent(in) :: stride
-      logical, intent(out) :: done
-      integer(c_int), intent(out) :: status
+      integer, intent(out) :: left           !! the first body that is for others; 0: none
+      integer(c_int), intent(out) :: status  !! of those before it
       type(plan_handle), pointer :: p
       type(poinsot_bodies), pointer :: b
       type(plain_arrays) :: a
       type(c_ptr), pointer :: bases(:)
       type(plain_torques) :: g
-      logical :: failed
-      call find_plain(plan, bodies, h, p, b, done)
+      logical :: failed, plain
+      left = 1
       status = poinsot_ok
-      if (done) done = c_associated(torque) .and. adds_direct(p%plan) .and. stride >= 1 .and. &
+      call find_plain(plan, bodies, h, p, b, plain)
+      if (plain) plain = c_associated(torque) .and. adds_direct(p%plan) .and. stride >= 1 .and. &
          stride <= huge(0)
-      if (.not. done) return
+      if (.not. plain) return
       call c_f_pointer(torque, bases, [3])
-      done = c_associated(bases(1)) .and. c_associated(bases(2)) .and. c_associated(bases(3))
-      if (.not. done) return
+      plain = c_associated(bases(1)) .and. c_associated(bases(2)) .and. c_associated(bases(3))
+      if (.not. plain) return
       call open_torques(int(b%n), bases, stride, g)
       call open_arrays(p, b, a)
-      call kick_direct(p%plan%classes(1)%it, p%plan%momentum, h, g, a, failed)
+      call kick_direct(p%plan%classes(1)%it, p%plan%momentum, h, g, a, failed, left)
       if (failed) status = poinsot_e_partial
    end subroutine kick_plain
 
@@ -141,7 +150,8 @@ contains
       if (.not. associated(p) .or. .not. c_associated(bodies)) return
       call c_f_pointer(bodies, b)
       if (.not. is_plain(b)) return
-      plain = takes_direct(p%plan, int(b%n)) .and. ieee_is_finite(h) .and. &
+      plain = takes_direct(p%plan, int(b%n), c_associated(b%moments(1))) .and. &
+         ieee_is_finite(h) .and. &
          (momentum_columns(p%plan) == 3 .or. c_associated(b%y_fourth))
    end subroutine find_plain
 
@@ -157,9 +167,15 @@ contains
          call open_plain(int(b%n), 3, b%y, b%y_stride, b%q, b%q_stride, b%status, &
                          b%scale, a)
       end if
+      if (c_associated(b%moments(1))) call open_moments(b%moments, moments_stride(b), a)
    end subroutine open_arrays
 
-   !> Are there but y, q, scales and statuses, as many and with such strides as can be?
+   pure integer(c_ptrdiff_t) function moments_stride(b)
+      type(poinsot_bodies), intent(in) :: b
+      moments_stride = merge(1_c_ptrdiff_t, b%moments_stride, b%moments_stride == 0)
+   end function moments_stride
+
+   !> Are there but y, q, statuses, and scales or moments, as many and with such strides as can be?
    logical function is_plain(b)
       type(poinsot_bodies), intent(in) :: b
       integer :: j
@@ -167,8 +183,13 @@ contains
       if (b%size /= c_sizeof(b) .or. b%n < 1 .or. b%n > most_bodies) return
       if (min(b%y_stride, b%q_stride) < 1 .or. max(b%y_stride, b%q_stride) > huge(0)) return
       do j = 1, 3
-         if (.not. c_associated(b%y(j)) .or. c_associated(b%moments(j))) return
+         if (.not. c_associated(b%y(j))) return
+         if (c_associated(b%moments(j)) .neqv. c_associated(b%moments(1))) return
       end do
+      if (c_associated(b%moments(1))) then
+         if (c_associated(b%scale) .or. moments_stride(b) < 1 .or. &
+             moments_stride(b) > huge(0)) return
+      end if
       do j = 1, 4
          if (.not. c_associated(b%q(j))) return
       end do
@@ -190,10 +211,11 @@ contains
       type(poinsot_error) :: error
       type(c_ptr), pointer :: bases(:)
       type(column) :: columns(3)
-      logical :: done
-      integer :: j
-      call kick_plain(plan, bodies, h, torque, stride, done, status)
-      if (done) return
+      integer(c_int) :: before
+      integer :: j, left
+      call kick_plain(plan, bodies, h, torque, stride, left, before)
+      status = before
+      if (left == 0) return
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
       status = poinsot_e_null
@@ -206,7 +228,14 @@ contains
          status = error%code
          if (raised(error)) return
       end if
+      if (left > 1) then
+         view = view_from(view, left)
+         do j = 1, 3
+            columns(j)%of => columns(j)%of(left:)
+         end do
+      end if
       call kick_bodies(p%plan, view, h, columns, status, error)
+      if (status == poinsot_ok) status = before
    end function kick
 
    !> Drag and noise of one step.
@@ -234,11 +263,15 @@ contains
       type(body_view) :: view
       type(poinsot_error) :: error
       type(c_callback) :: host
-      logical :: done
+      integer(c_int) :: before
+      integer :: left
+      left = 1
+      before = poinsot_ok
       if (.not. c_associated(callback) .and. steps >= 0 .and. steps <= huge(0) .and. &
           first <= huge(first) - max(steps, 0_c_int64_t) .and. ieee_is_finite(t)) then
-         call drift_plain(plan, bodies, h, int(steps), done, status)
-         if (done) return
+         call drift_plain(plan, bodies, h, int(steps), left, before)
+         status = before
+         if (left == 0) return
       end if
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
@@ -247,8 +280,10 @@ contains
          host%context = context
          call step_bodies(p%plan, view, t, h, first, steps, status, error, host)
       else
+         if (left > 1) view = view_from(view, left)
          call step_bodies(p%plan, view, t, h, first, steps, status, error)
       end if
+      if (status == poinsot_ok) status = before
    end function step
 
    subroutine evaluate_c(self, t, q, torque, energy, stop)

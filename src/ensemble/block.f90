@@ -7,20 +7,21 @@
 module poinsot_ensemble_block
    use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_core_constants, only: exponent_bits
-   use poinsot_core_kinds, only: dp, i8, group, lanes
+   use poinsot_core_kinds, only: dp, i8, group, groups, lanes
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_not_finite, &
       poinsot_e_not_unit, poinsot_e_axis_momentum
    use poinsot_body_class, only: body_class, rotor_at
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_free_lane_moments, only: lane_moments, take_scale, take_moments
+   use poinsot_free_lane_moments, only: lane_moments, common_limit, complete_moments, take_moments, &
+      take_scale
    use poinsot_free_limits, only: reject_speed, reject_speed_each
    use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, to_native, from_native
    use poinsot_ensemble_transfer, only: arrays, find_layout, copy_in, copy_out
    use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
    private
-   public :: clock, host_arrays, open_host, reject, load_block, store_block, store_status, &
+   public :: clock, host_arrays, open_host, reject, reject_own, load_block, store_block, store_status, &
       add_momentum, reject_values, reject_torques, add_products, reject_energies
 
    !> A time, and whence rotors that jump there are seen (rotor_at).
@@ -125,23 +126,25 @@ contains
       integer, intent(in) :: at(:)                 !! places of the bodies
       type(lane_moments), intent(inout), target :: own
       type(block_flows), intent(inout) :: b
-      real(dp) :: p(lanes, 4), moments(lanes, 3), factor(lanes)
+      real(dp) :: p(lanes, 4)
       integer :: j, l
       if (associated(host%view%scale)) then
-         factor = 1
+         own%scale = 1
          do l = 1, b%n
-            factor(l) = host%view%scale(at(l))
+            own%scale(l) = host%view%scale(at(l))
          end do
-         call take_scale(b%class, factor, own, b%status)
+         call take_scale(b%class, groups, own, b%status)
       else
-         moments = 1
+         own%scale = 1
+         own%moments = 1
          do j = 1, 3
             do l = 1, b%n
-               moments(l, j) = host%view%moments(j)%of(at(l))
+               own%moments(l, j) = host%view%moments(j)%of(at(l))
             end do
          end do
-         call take_moments(moments, b%nvec, own, b%status)
+         call take_moments(groups, own, b%status)
       end if
+      call complete_moments(b%class, groups, own)
       b%own => own
       p = 0
       call take(host%y, host%view%y_at, at, b%n, p)
@@ -257,35 +260,73 @@ contains
    end subroutine rest
 
    !> Put lanes at rest whose momenta are not finite or beyond a limit, or whose quaternion is not
-   !> of unit norm. Bits are compared: a comparison with a NaN would raise an exception in hosts
-   !> that trap. A component of q above 2 counts as 2, so that its square is a number.
+   !> of unit norm.
    pure subroutine reject(nvec, columns, limit, p, q, status)
       integer, intent(in) :: nvec                   !! groups of lanes that hold bodies
       integer, intent(in) :: columns                !! of p, 3 or 4
       real(dp), intent(in) :: limit(4)
       real(dp), intent(inout) :: p(lanes, columns), q(lanes, 4)
       integer, intent(inout) :: status(lanes)
-      integer(i8) :: top(4), slack, excess(lanes), most
+      integer :: l
+      if (are_good(nvec, columns, limit, p, q)) return
+      do l = 1, group*nvec
+         if (excess(p(l, :), limit(:columns), q(l, :)) <= 0) cycle
+         status(l) = cause(p(l, :), q(l, :))
+         p(l, :) = 0
+         call rest(l, l, p, q)
+      end do
+   end subroutine reject
+
+   !> The same of momenta y of bodies with moments of their own; and lanes that have failed by these.
+   pure subroutine reject_own(class, nvec, own, y, q, status)
+      type(body_class), intent(in) :: class         !! of these bodies
+      integer, intent(in) :: nvec
+      type(lane_moments), intent(inout) :: own
+      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
+      integer, intent(inout) :: status(lanes)
+      real(dp) :: limit
+      integer :: l
+      limit = common_limit(own)
+      if (are_good(nvec, 3, [limit, limit, limit, limit], y, q) .and. &
+          .not. any_failed(status, nvec)) return
+      call complete_moments(class, nvec, own)
+      do l = 1, group*nvec
+         if (excess(y(l, :), own%limit(l, :), q(l, :)) > 0) then
+            status(l) = cause(y(l, :), q(l, :))
+         else if (status(l) == poinsot_ok) then
+            cycle
+         end if
+         call rest(l, l, y, q)
+      end do
+   end subroutine reject_own
+
+   !> Is no lane of this kind? Bits are compared: a comparison with a NaN would raise an exception in
+   !> hosts that trap. A component of q above 2 counts as 2, so that its square is a number.
+   pure logical function are_good(nvec, columns, limit, p, q)
+      integer, intent(in) :: nvec, columns
+      real(dp), intent(in) :: limit(4), p(lanes, columns), q(lanes, 4)
+      integer(i8) :: top(4), slack, most
       integer :: l
       top = magnitude(limit)
       slack = magnitude(norm_slack)
       most = 0
       !GCC$ ivdep
       do l = 1, group*nvec
-         excess(l) = max(magnitude(p(l, 1)) - top(1), magnitude(p(l, 2)) - top(2), &
-                         magnitude(p(l, 3)) - top(3), magnitude(p(l, columns)) - top(columns), &
-                         magnitude(square(q(l, 1)) + square(q(l, 2)) + square(q(l, 3)) &
-                                   + square(q(l, 4)) - 1) - slack)
-         most = max(most, excess(l))
+         most = max(most, magnitude(p(l, 1)) - top(1), magnitude(p(l, 2)) - top(2), &
+                    magnitude(p(l, 3)) - top(3), magnitude(p(l, columns)) - top(columns), &
+                    magnitude(square(q(l, 1)) + square(q(l, 2)) + square(q(l, 3)) &
+                              + square(q(l, 4)) - 1) - slack)
       end do
-      if (most <= 0) return
-      do l = 1, group*nvec
-         if (excess(l) <= 0) cycle
-         status(l) = cause(p(l, :), q(l, :))
-         p(l, :) = 0
-         call rest(l, l, p, q)
-      end do
-   end subroutine reject
+      are_good = most <= 0
+   end function are_good
+
+   !> How far one lane is beyond what is allowed, in bits; not above 0 if it is not.
+   pure integer(i8) function excess(p, limit, q)
+      real(dp), intent(in) :: p(:), limit(:), q(4)
+      excess = max(maxval(magnitude(p) - magnitude(limit)), &
+                   magnitude(square(q(1)) + square(q(2)) + square(q(3)) + square(q(4)) - 1) &
+                   - magnitude(norm_slack))
+   end function excess
 
    !> Why a lane was refused: the first of the causes.
    pure integer function cause(p, q)

@@ -7,7 +7,8 @@ module poinsot_ensemble_bodies
    use poinsot_core_status, only: poinsot_e_null, poinsot_e_size
    implicit none(type, external)
    private
-   public :: poinsot_bodies, column, body_view, view_rows, view_columns, open_view, open_column
+   public :: poinsot_bodies, column, body_view, view_rows, view_columns, view_from, open_view, &
+      open_column
    public :: most_bodies, first_size, check_rows
 
    integer(c_size_t), parameter :: first_size = 136 !! bytes of the struct in 0.1
@@ -93,6 +94,31 @@ contains
          view%q(j)%of => q(:, j)
       end do
    end subroutine view_columns
+
+   !> The bodies of a view from one on.
+   function view_from(view, first) result(rest)
+      type(body_view), intent(in) :: view
+      integer, intent(in) :: first                 !! 1 to view%n
+      type(body_view) :: rest
+      integer :: j
+      rest = view
+      rest%n = view%n - first + 1
+      do j = 1, 4
+         if (associated(view%y(j)%of) .and. .not. associated(view%y_at)) &
+            rest%y(j)%of => view%y(j)%of(first:)
+         if (.not. associated(view%q_at)) rest%q(j)%of => view%q(j)%of(first:)
+      end do
+      do j = 1, 3
+         if (associated(view%moments(j)%of)) rest%moments(j)%of => view%moments(j)%of(first:)
+      end do
+      if (associated(view%body_class)) rest%body_class => view%body_class(first:)
+      if (associated(view%id)) rest%id => view%id(first:)
+      if (associated(view%carry)) rest%carry => view%carry(:, first:)
+      if (associated(view%status)) rest%status => view%status(first:)
+      if (associated(view%y_at)) rest%y_at => view%y_at(first:)
+      if (associated(view%q_at)) rest%q_at => view%q_at(first:)
+      if (associated(view%scale)) rest%scale => view%scale(first:)
+   end function view_from
 
    !> Open a C view. POINSOT_E_NULL names a pointer that is missing, POINSOT_E_SIZE a size or stride
    !> that cannot be.

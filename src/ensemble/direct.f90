@@ -1,14 +1,14 @@
 !> The short way for what hosts do most: free rotation and kicks of bodies of one class, where a
-!> call brings nothing but y, q, statuses and scales. The kernels, the turning of momenta and the
-!> checks are those of all ways, and so are the bits; what is left out are views, sorting, and the
-!> tables of effects.
+!> call brings nothing but y, q, statuses, and scales or moments. The kernels, the turning of momenta
+!> and the checks are those of all ways, and so are the bits; what is left out are views, sorting,
+!> and the tables of effects.
 module poinsot_ensemble_direct
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_block, only: reject, reject_torques, add_products
-   use poinsot_ensemble_direct_scaled, only: kick_scaled, rotate_scaled
+   use poinsot_ensemble_direct_own, only: kick_own, rotate_own
    use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, space_momentum, &
       from_native, to_native
    use poinsot_ensemble_plain, only: plain_arrays, plain_torques, load, load_torques, store
@@ -16,7 +16,8 @@ module poinsot_ensemble_direct
    use poinsot_free_exact_lanes, only: advance_each, make_constants
    use poinsot_free_limits, only: reject_speed
    use poinsot_free_method, only: free_method, advance
-   use poinsot_free_lane_moments, only: lane_moments, take_moments
+   use poinsot_free_lane_moments, only: lane_moments, speed_limit, take_moments, &
+      takes_moments
    implicit none(type, external)
    private
    public :: one_chunk, without_inertia, takes_direct, is_free, adds_direct, momentum_columns, &
@@ -27,14 +28,19 @@ module poinsot_ensemble_direct
 
 contains
 
-   !> May a plan drift n bodies of its first class this way?
-   pure logical function takes_direct(plan, n)
+   !> May a plan drift n bodies of its first class, or with moments of their own, this way?
+   pure logical function takes_direct(plan, n, by_moments)
       type(poinsot_plan), intent(in) :: plan
       integer, intent(in) :: n
+      logical, intent(in) :: by_moments
       takes_direct = .false.
       if (.not. plan%ready) return
       if (plan%threads /= 1 .and. n > one_chunk) return
-      if (plan%class_count() < 1) return
+      if (by_moments) then
+         if (.not. takes_moments(plan%method)) return
+      else if (plan%class_count() < 1) then
+         return
+      end if
       associate (class => plan%classes(1)%it)
          takes_direct = class%sorted(1) > 0 .and. .not. (class%has_rotor .or. plan%is_turned(class))
       end associate
@@ -58,8 +64,9 @@ contains
       momentum_columns = merge(4, 3, plan%momentum == conjugate_momentum)
    end function momentum_columns
 
-   !> `steps` steps of h. Bodies that fail keep their state.
-   subroutine rotate_direct(class, method, momentum, h, steps, keep, a, failed)
+   !> `steps` steps of h. Bodies that fail keep their state. Of bodies with moments some may be left
+   !> for another way.
+   subroutine rotate_direct(class, method, momentum, h, steps, keep, a, failed, left)
       type(body_class), intent(in) :: class      !! with inertia about every axis, and no rotors
       type(free_method), intent(in) :: method
       integer, intent(in) :: momentum            !! the caller's variable
@@ -68,12 +75,14 @@ contains
       logical, intent(in) :: keep                !! the momentum variable is left as it is
       type(plain_arrays), intent(in) :: a
       logical, intent(out) :: failed             !! some did
+      integer, intent(out) :: left               !! the first that is left; 0: none
       real(dp) :: y(lanes, 3), q(lanes, 4), p(lanes, 4)
       integer :: status(lanes), first, m, nvec, k
+      left = 0
       call refuse_all(a, failed)
       if (failed) return
-      if (associated(a%scale)) then
-         call rotate_scaled(class, method, momentum, h, steps, keep, a, failed)
+      if (associated(a%scale) .or. a%has_moments) then
+         call rotate_own(class, method, momentum, h, steps, keep, a, failed, left)
          return
       end if
       do k = 1, lanes ! a loop here has the compiler align the whole of them
@@ -136,46 +145,48 @@ contains
       logical, intent(out) :: failed
       integer, intent(out) :: refused            !! status of the moments, or without_inertia
       type(lane_moments) :: own
-      real(dp) :: y(lanes, 3), q(lanes, 4), hl(lanes)
+      real(dp) :: y(lanes, 3), q(lanes, 4), hl(lanes), limit(3)
       integer :: status(lanes), first, m, nvec, k, most
       refused = poinsot_ok
       call refuse_all(a, failed)
       if (failed) return
       status = poinsot_ok
       most = max(1, min(lanes, a%n + group - 1)/group)
-      call take_moments(spread(moments, 1, lanes), most, own, status)
+      own%moments(:group*most, :) = spread(moments, 1, group*most)
+      call take_moments(most, own, status)
       refused = status(1)
       if (refused == poinsot_ok .and. own%linear) refused = without_inertia
       if (refused /= poinsot_ok) return
       call make_constants(most, own%moments, own%constants)
+      limit = speed_limit(own%moments(1, :))
       hl = h
       do first = 1, a%n, lanes
          m = min(lanes, a%n - first + 1)
          nvec = (m + group - 1)/group
          call load(a, first, m, nvec, y, q)
          status(:group*nvec) = poinsot_ok
-         call reject(nvec, 3, [own%limit(1, :), 0.0_dp], y, q, status)
-         do k = 1, steps
-            call advance_each(own%constants, by_jacobi, hl, y, q, status, nvec)
-         end do
+         call reject(nvec, 3, [limit, 0.0_dp], y, q, status)
+         call advance_each(own%constants, by_jacobi, hl, steps, y, q, status, nvec)
          call store(a, first, m, nvec, y, q, status, .false., .false., failed)
       end do
    end subroutine rotate_by_moments
 
    !> p += h g in the caller's variable. A torque, or a sum, that is no number fails its body.
-   subroutine kick_direct(class, momentum, h, g, a, failed)
+   subroutine kick_direct(class, momentum, h, g, a, failed, left)
       type(body_class), intent(in) :: class      !! with inertia about every axis, and no rotors
       integer, intent(in) :: momentum            !! the caller's variable
       real(dp), intent(in) :: h                  !! finite
       type(plain_torques), intent(in) :: g       !! in the frame of the momenta
       type(plain_arrays), intent(in) :: a
       logical, intent(out) :: failed
+      integer, intent(out) :: left               !! the first that is left; 0: none
       real(dp) :: y(lanes, 3), p(lanes, 4), q(lanes, 4), torque(lanes, 3)
       integer :: status(lanes), first, m, nvec, l
+      left = 0
       call refuse_all(a, failed)
       if (failed) return
-      if (associated(a%scale)) then
-         call kick_scaled(class, momentum, h, g, a, failed)
+      if (associated(a%scale) .or. a%has_moments) then
+         call kick_own(class, momentum, h, g, a, failed, left)
          return
       end if
       do l = 1, lanes ! aligned, as in rotate_direct

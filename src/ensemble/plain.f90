@@ -10,8 +10,8 @@ module poinsot_ensemble_plain
    use poinsot_ensemble_transfer, only: rows_in_3, rows_in_4, rows_out_3, rows_out_4
    implicit none(type, external)
    private
-   public :: plain_arrays, plain_torques, open_plain, open_plain_view, open_torques, &
-      open_plain_torques, load, load_torques, store
+   public :: plain_arrays, plain_torques, open_plain, open_plain_view, open_moments, open_torques, &
+      open_plain_torques, load, load_moments, load_torques, store
 
    integer, parameter :: bytes = storage_size(1.0_dp)/8
 
@@ -24,6 +24,10 @@ module poinsot_ensemble_plain
       logical :: y_rows, q_rows                 !! they are rows without gaps
       integer(c_int), pointer, contiguous :: each(:) !! status of each body, or not associated
       real(dp), pointer, contiguous :: scale(:) !! moments over the class's, or none
+      logical :: has_moments                    !! each body has its own
+      type(c_ptr) :: moments(4)                 !! then their first numbers, of three components
+      integer(c_ptrdiff_t) :: dm                !! and stride
+      logical :: m_rows                         !! they are rows without gaps
    end type plain_arrays
 
    !> Torques of a kick.
@@ -62,9 +66,21 @@ contains
       if (c_associated(each)) call c_f_pointer(each, a%each, [n])
       nullify (a%scale)
       if (c_associated(scale)) call c_f_pointer(scale, a%scale, [n])
+      a%has_moments = .false.
    end subroutine open_plain
 
-   !> The same of a view, if there is nothing in it but y, q, scales and statuses.
+   !> Moments of each body, by the addresses of their first numbers.
+   subroutine open_moments(bases, stride, a)
+      type(c_ptr), intent(in) :: bases(3)
+      integer(c_ptrdiff_t), intent(in) :: stride !! at least 1
+      type(plain_arrays), intent(inout) :: a
+      a%has_moments = .true.
+      a%moments = [bases, bases(1)]
+      a%dm = stride
+      a%m_rows = are_rows(bases, stride)
+   end subroutine open_moments
+
+   !> The same of a view, if there is nothing in it but y, q, statuses, and scales or moments.
    subroutine open_plain_view(view, columns, a, plain)
       type(body_view), intent(in) :: view
       integer, intent(in) :: columns
@@ -74,7 +90,7 @@ contains
       integer(c_ptrdiff_t) :: dy, dq
       integer :: j
       plain = view%n > 0 .and. .not. (associated(view%body_class) .or. associated(view%carry) .or. &
-         associated(view%y_at) .or. associated(view%q_at) .or. associated(view%moments(1)%of))
+         associated(view%y_at) .or. associated(view%q_at))
       if (.not. plain) return
       dy = stride_of(view%n, view%y(1))
       dq = stride_of(view%n, view%q(1))
@@ -103,7 +119,25 @@ contains
          q(j) = c_loc(view%q(j)%of(1))
       end do
       call open_plain(view%n, columns, y(:columns), dy, q, dq, each, scale, a)
+      if (associated(view%moments(1)%of)) call open_view_moments(view, a, plain)
    end subroutine open_plain_view
+
+   !> Moments of a view, if they have one stride.
+   subroutine open_view_moments(view, a, plain)
+      type(body_view), intent(in) :: view
+      type(plain_arrays), intent(inout) :: a
+      logical, intent(out) :: plain
+      type(c_ptr) :: bases(3)
+      integer(c_ptrdiff_t) :: stride
+      integer :: j
+      stride = stride_of(view%n, view%moments(1))
+      plain = stride >= 1
+      do j = 1, 3
+         plain = plain .and. stride_of(view%n, view%moments(j)) == stride
+         bases(j) = c_loc(view%moments(j)%of(1))
+      end do
+      if (plain) call open_moments(bases, stride, a)
+   end subroutine open_view_moments
 
    !> Torques by the addresses of their first numbers.
    subroutine open_torques(n, bases, stride, t)
@@ -193,6 +227,15 @@ contains
          end do
       end do
    end subroutine fill
+
+   !> Moments of the same bodies; those of a sphere for the rest.
+   subroutine load_moments(a, first, m, nvec, moments)
+      type(plain_arrays), intent(in) :: a       !! with moments
+      integer, intent(in) :: first, m, nvec
+      real(dp), intent(inout) :: moments(lanes, 3)
+      if (m < group*nvec) call fill(3, 1.0_dp, moments(group*(nvec - 1) + 1, 1))
+      call take_from(a%moments, a%n, 3, a%dm, a%m_rows, first, m, moments)
+   end subroutine load_moments
 
    !> Torques of the same bodies; none on the rest.
    subroutine load_torques(t, first, m, nvec, g)

@@ -6,7 +6,7 @@ module poinsot_ensemble_step
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_size
    use poinsot_effect_effect, only: flow_effect
    use poinsot_ensemble_block, only: clock, add_momentum, reject_torques
-   use poinsot_ensemble_bodies, only: body_view, column
+   use poinsot_ensemble_bodies, only: body_view, column, view_from
    use poinsot_ensemble_check, only: check_ready, check_purpose, to_drift, to_kick, to_step
    use poinsot_ensemble_coupled, only: run_coupled, torque_callback
    use poinsot_ensemble_direct, only: adds_direct, is_free, kick_direct, momentum_columns, &
@@ -65,38 +65,54 @@ contains
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
       type(drift_job) :: job
-      logical :: done
+      integer :: left
       call check_ready(plan, view, error)
       if (.not. raised(error)) call check_purpose(plan, view, to_drift, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       status = error%code
       if (raised(error)) return
-      call rotate_plain(plan, view, h, 1, plan%momentum == space_momentum, status, done)
-      if (done) return
+      call rotate_plain(plan, view, h, 1, plan%momentum == space_momentum, status, left)
+      if (left == 0) return
       job%plan => plan
       job%h = h
       job%keep_momentum = plan%momentum == space_momentum
       job%ns = plan%method%ns
-      status = for_each_block(view, plan%threads, job)
+      status = for_each_left(view, left, plan%threads, job, status)
    end subroutine drift_bodies
 
    !> Free steps by the short way, if plan and view ask for no more.
-   subroutine rotate_plain(plan, view, h, steps, keep, status, done)
+   subroutine rotate_plain(plan, view, h, steps, keep, status, left)
       type(poinsot_plan), intent(in) :: plan
       type(body_view), intent(in) :: view
       real(dp), intent(in) :: h
       integer, intent(in) :: steps
       logical, intent(in) :: keep                     !! the momentum variable is left as it is
       integer, intent(inout) :: status
-      logical, intent(out) :: done                    !! else it is for others
+      integer, intent(out) :: left                    !! the first body that is for others; 0: none
       type(plain_arrays) :: a
-      logical :: failed
-      done = takes_direct(plan, view%n)
-      if (done) call open_plain_view(view, momentum_columns(plan), a, done)
-      if (.not. done) return
-      call rotate_direct(plan%classes(1)%it, plan%method, plan%momentum, h, steps, keep, a, failed)
+      logical :: failed, plain
+      left = 1
+      plain = takes_direct(plan, view%n, associated(view%moments(1)%of))
+      if (plain) call open_plain_view(view, momentum_columns(plan), a, plain)
+      if (.not. plain) return
+      call rotate_direct(plan%classes(1)%it, plan%method, plan%momentum, h, steps, keep, a, &
+                         failed, left)
       status = merge(poinsot_e_partial, poinsot_ok, failed)
    end subroutine rotate_plain
+
+   !> A job on the bodies from `left` on; those before it have been done.
+   integer function for_each_left(view, left, threads, job, before) result(status)
+      type(body_view), intent(in) :: view
+      integer, intent(in) :: left, threads
+      class(block_job), intent(inout) :: job
+      integer, intent(in) :: before                   !! status of those
+      if (left == 1) then
+         status = for_each_block(view, threads, job)
+      else
+         status = for_each_block(view_from(view, left), threads, job)
+         if (before /= poinsot_ok) status = before
+      end if
+   end function for_each_left
 
    !> Kick all bodies: y += h torque, in the body or in the space frame as the plan says.
    subroutine kick_bodies(plan, view, h, torque, status, error)
@@ -107,39 +123,46 @@ contains
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
       type(kick_job) :: job
-      logical :: done
+      integer :: left, j
       call check_ready(plan, view, error)
       if (.not. raised(error)) call check_purpose(plan, view, to_kick, error)
       if (.not. raised(error)) call check_step(h, 1, error)
       status = error%code
       if (raised(error)) return
-      call kick_plain(plan, view, h, torque, status, done)
-      if (done) return
+      call kick_plain(plan, view, h, torque, status, left)
+      if (left == 0) return
       job%plan => plan
       job%view = view
       job%torque = torque
+      if (left > 1) then
+         job%view = view_from(view, left)
+         do j = 1, 3
+            job%torque(j)%of => torque(j)%of(left:)
+         end do
+      end if
       job%same_frame = adds_direct(plan)
       job%h = h
       job%keep_attitude = .true.
-      status = for_each_block(view, plan%threads, job)
+      status = for_each_left(view, left, plan%threads, job, status)
    end subroutine kick_bodies
 
    !> A kick by the short way, if plan, view and torques ask for no more.
-   subroutine kick_plain(plan, view, h, torque, status, done)
+   subroutine kick_plain(plan, view, h, torque, status, left)
       type(poinsot_plan), intent(in) :: plan
       type(body_view), intent(in) :: view
       real(dp), intent(in) :: h
       type(column), intent(in) :: torque(3)
       integer, intent(inout) :: status
-      logical, intent(out) :: done                    !! else it is for others
+      integer, intent(out) :: left                    !! the first body that is for others; 0: none
       type(plain_arrays) :: a
       type(plain_torques) :: g
-      logical :: failed
-      done = takes_direct(plan, view%n) .and. adds_direct(plan)
-      if (done) call open_plain_view(view, momentum_columns(plan), a, done)
-      if (done) call open_plain_torques(view%n, torque, g, done)
-      if (.not. done) return
-      call kick_direct(plan%classes(1)%it, plan%momentum, h, g, a, failed)
+      logical :: failed, plain
+      left = 1
+      plain = takes_direct(plan, view%n, associated(view%moments(1)%of)) .and. adds_direct(plan)
+      if (plain) call open_plain_view(view, momentum_columns(plan), a, plain)
+      if (plain) call open_plain_torques(view%n, torque, g, plain)
+      if (.not. plain) return
+      call kick_direct(plan%classes(1)%it, plan%momentum, h, g, a, failed, left)
       status = merge(poinsot_e_partial, poinsot_ok, failed)
    end subroutine kick_plain
 
@@ -155,8 +178,9 @@ contains
       type(poinsot_error), intent(inout) :: error
       class(torque_callback), intent(inout), optional :: callback
       type(step_job) :: job
-      logical :: done
+      integer :: left
 
+      left = 1
       call check_ready(plan, view, error)
       if (.not. raised(error)) call check_purpose(plan, view, to_step, error)
       if (.not. raised(error)) call check_step(h, 1, error)
@@ -166,8 +190,8 @@ contains
       status = error%code
       if (raised(error)) return
       if (.not. present(callback) .and. steps <= huge(0) .and. is_free(plan)) then
-         call rotate_plain(plan, view, h, int(steps), .false., status, done)
-         if (done) return
+         call rotate_plain(plan, view, h, int(steps), .false., status, left)
+         if (left == 0) return
       end if
       if (plan%coupled .or. present(callback)) then
          call run_coupled(plan, view, t, h, first, steps, status, error, callback)
@@ -182,7 +206,7 @@ contains
       job%stored = clock(t + real(first + steps, dp)*h, glance*h) ! as the next call looks
       job%wants_id = plan%has_dissipation
       job%ns = step_ns(plan)*real(steps, dp)
-      status = for_each_block(view, plan%threads, job)
+      status = for_each_left(view, left, plan%threads, job, status)
    end subroutine step_bodies
 
    !> About what a step of a body takes, in nanoseconds.

@@ -8,9 +8,11 @@
 !>
 !> usage: make_lane_constants once for a block of moments, then advance_each for every step.
 module poinsot_free_exact_lanes
+   use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_error, only: poinsot_error, raised
-   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_step
+   use poinsot_core_lanes, only: any_failed
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_not_finite, poinsot_e_step
    use poinsot_body_moments, only: accept_moments
    use poinsot_body_constants, only: lane_constants, make_constants
    use poinsot_body_series_start, only: axis_series
@@ -32,54 +34,58 @@ module poinsot_free_exact_lanes
 contains
 
    !> Constants of a block of bodies. POINSOT_E_DOMAIN where no body has such moments (the rule of
-   !> `accept_moments`: few digits are taken); such a lane has the constants of a sphere.
+   !> `accept_moments`: few digits are taken), POINSOT_E_NOT_FINITE where they are no numbers; such a
+   !> lane has the constants of a sphere.
    pure subroutine make_lane_constants(moments, nvec, c, status)
       real(dp), intent(inout) :: moments(lanes, 3)  !! principal moments, any order, any unit; on
                                                     !! exit as they are taken
       integer, intent(in) :: nvec                   !! groups of lanes to work on
       type(lane_constants), intent(inout) :: c
       integer, intent(inout) :: status(lanes)
-      call accept_lanes(moments, nvec, status)
+      real(dp) :: least
+      call accept_lanes(moments, nvec, status, least)
       call make_constants(nvec, moments, c)
    end subroutine make_lane_constants
 
    !> Moments as they are taken; those of a sphere where no body has such, with a status.
-   pure subroutine accept_lanes(moments, nvec, status)
+   pure subroutine accept_lanes(moments, nvec, status, least)
       real(dp), intent(inout) :: moments(lanes, 3)
       integer, intent(in) :: nvec
       integer, intent(inout) :: status(lanes)
-      real(dp) :: accepted(lanes, 3)
-      integer(i8) :: plain(lanes), all_plain
+      real(dp), intent(out) :: least                !! the smallest of all; 0: a body has none about
+                                                    !! some axis
+      integer(i8) :: plain(lanes)
+      logical :: all_plain
       integer :: l
-      call find_plain(nvec, moments, accepted, plain)
-      all_plain = -1
+      call find_plain(nvec, moments, plain, all_plain, least)
+      if (all_plain) return
       do l = 1, group*nvec
-         all_plain = iand(all_plain, plain(l))
+         if (plain(l) == 0) call take_special(moments(l, :), status(l))
       end do
-      if (all_plain == 0) then
-         do l = 1, group*nvec
-            if (plain(l) == 0) call take_special(moments(l, :), accepted(l, :), status(l))
-         end do
-      end if
-      moments(:group*nvec, :) = accepted(:group*nvec, :)
+      least = minval(moments(:group*nvec, :))
    end subroutine accept_lanes
 
    !> Mask of the lanes whose moments `accept_moments` takes as they are: positive, within the
-   !> triangle inequality, and of no body as thin as a line. The others get those of a sphere first.
-   pure subroutine find_plain(nvec, moments, accepted, plain)
+   !> triangle inequality, and of no body as thin as a line.
+   pure subroutine find_plain(nvec, moments, plain, all_plain, least)
       integer, intent(in) :: nvec
       real(dp), intent(in) :: moments(lanes, 3)
-      real(dp), intent(out) :: accepted(lanes, 3)
       integer(i8), intent(out) :: plain(lanes)
+      logical, intent(out) :: all_plain
+      real(dp), intent(out) :: least                !! the smallest of all, if they are plain
       real(dp), parameter :: thin = 1e-9_dp, slack = 0.9e-3_dp !! well within what is taken
-      integer(i8) :: b1, b2, b3, mask
+      integer(i8) :: b1, b2, b3, mask, all_of_them, lowest
       real(dp) :: m1, m2, m3, small, large, middle
       integer :: l
-      !$omp simd private(b1, b2, b3, mask, m1, m2, m3, small, large, middle)
+      all_of_them = -1
+      lowest = huge(lowest)
+      !$omp simd private(b1, b2, b3, mask, m1, m2, m3, small, large, middle) &
+      !$omp reduction(iand: all_of_them) reduction(min: lowest)
       do l = 1, group*nvec
          b1 = transfer(moments(l, 1), b1)
          b2 = transfer(moments(l, 2), b2)
          b3 = transfer(moments(l, 3), b3)
+         lowest = min(lowest, b1, b2, b3)
          mask = ior(min(b1, b2, b3) - smallest_bits, largest_bits - max(b1, b2, b3))
          mask = not(shifta(ior(mask, min(b1, b2, b3)), 63))
          m1 = choose(mask, moments(l, 1), 1.0_dp)
@@ -91,61 +97,70 @@ contains
          mask = iand(mask, below(thin*large, small))
          mask = iand(mask, below(large - middle, small + slack*large))
          plain(l) = mask
-         accepted(l, 1) = choose(mask, m1, 1.0_dp)
-         accepted(l, 2) = choose(mask, m2, 1.0_dp)
-         accepted(l, 3) = choose(mask, m3, 1.0_dp)
+         all_of_them = iand(all_of_them, mask)
       end do
+      all_plain = all_of_them /= 0
+      least = transfer(lowest, least)
    end subroutine find_plain
 
    !> Moments of one lane by the rule for all: thin and linear bodies, or none.
-   pure subroutine take_special(moments, accepted, status)
-      real(dp), intent(in) :: moments(3)
-      real(dp), intent(inout) :: accepted(3)
+   pure subroutine take_special(moments, status)
+      real(dp), intent(inout) :: moments(3)
       integer, intent(inout) :: status
       type(poinsot_error) :: refusal
+      integer(i8) :: most
       real(dp) :: taken(3)
+      most = maxval(iand(transfer(moments, [most]), exponent_bits))
       taken = moments
-      call accept_moments(taken, refusal)
-      if (raised(refusal)) then
-         if (status == poinsot_ok) status = poinsot_e_domain
-      else
-         accepted = taken
-      end if
+      if (most < exponent_bits) call accept_moments(taken, refusal)
+      moments = taken
+      if (most < exponent_bits .and. .not. raised(refusal)) return
+      if (status == poinsot_ok) status = merge(poinsot_e_domain, poinsot_e_not_finite, &
+         most < exponent_bits)
+      moments = 1
    end subroutine take_special
 
-   !> One step of a block. A lane whose status is not POINSOT_OK stands still; a lane that fails
-   !> here gets its status and keeps its state.
-   pure subroutine advance_each(c, by_jacobi, h, y, q, status, nvec, carry)
+   !> Steps of a block. A lane whose status is not POINSOT_OK stands still; a lane that fails here
+   !> gets its status and keeps its state of then.
+   pure subroutine advance_each(c, by_jacobi, h, steps, y, q, status, nvec, carry)
       type(lane_constants), intent(in) :: c                  !! from make_lane_constants
       logical, intent(in) :: by_jacobi                       !! method `jacobi`, else `exact`
       real(dp), intent(in) :: h(lanes)                       !! step of each lane, either sign
+      integer, intent(in) :: steps                           !! how many, with the same bits in one
+                                                             !! call as in several
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)    !! the state, caller's axes
       integer, intent(inout) :: status(lanes)
       integer, intent(in) :: nvec                            !! groups of lanes to work on
       real(dp), intent(inout), optional :: carry(lanes, 7)   !! compensated sums, if wanted
       real(dp) :: hs(lanes), ys(lanes, 3), qs(lanes, 4), cs(lanes, 7)
       logical :: watch
+      integer :: k
       call put_in_order(nvec, c, h, status, y, q, hs, ys, qs, watch)
-      if (watch) then
-         call stop_failed(nvec, status, hs)
-         call reject_far(nvec, c, ys, hs, status)
-      end if
-      if (present(carry)) then
-         call order_vectors(nvec, c, carry(:, 1:3), carry(:, 4:7), cs(:, 1:3), cs(:, 4:7))
-         call sorted_compensated(nvec, c, by_jacobi, hs, ys, qs, cs, status)
-         call put_back(nvec, c, cs(:, 1:3), cs(:, 4:7), carry(:, 1:3), carry(:, 4:7))
-      else
-         call sorted_step(nvec, c, by_jacobi, hs, ys, qs, status)
-      end if
+      if (present(carry)) call order_vectors(nvec, c, carry(:, 1:3), carry(:, 4:7), cs(:, 1:3), &
+         cs(:, 4:7))
+      do k = 1, steps
+         if (watch) then
+            call stop_failed(nvec, status, hs)
+            call reject_far(nvec, c, ys, hs, status)
+         end if
+         if (present(carry)) then
+            call sorted_compensated(nvec, c, by_jacobi, hs, ys, qs, cs, status)
+         else
+            call sorted_step(nvec, c, by_jacobi, hs, ys, qs, status)
+         end if
+         if (k < steps) watch = watch .or. any_failed(status, nvec)
+      end do
       call put_back(nvec, c, ys, qs, y, q)
+      if (present(carry)) call put_back(nvec, c, cs(:, 1:3), cs(:, 4:7), carry(:, 1:3), &
+         carry(:, 4:7))
    end subroutine advance_each
 
    ! The order of axes
    ! -----------------------------------------------------------------------------------------------
 
    !> The state in sorted, right-handed axes. Is there a lane to be watched: one that has failed, or
-   !> whose y/I h might leave the range? That by the largest exponents in the block: no bit depends
-   !> on the answer.
+   !> whose y/I h might leave the range, now or once it has turned? That by the largest exponents in
+   !> the block: no bit depends on the answer.
    pure subroutine put_in_order(nvec, c, h, status, y, q, hs, ys, qs, watch)
       integer, intent(in) :: nvec
       type(lane_constants), intent(in) :: c
@@ -154,6 +169,7 @@ contains
       real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: hs(lanes), ys(lanes, 3), qs(lanes, 4)
       logical, intent(out) :: watch
+      integer(i8), parameter :: margin = 2 ! a component may grow to 1.74 times the largest
       integer(i8) :: by, bi, bh
       integer :: l, failed
       call order_vectors(nvec, c, y, q, ys, qs)
@@ -171,7 +187,7 @@ contains
          bh = max(bh, transfer(abs(h(l)), bh))
       end do
       watch = failed /= poinsot_ok .or. &
-         shiftr(by, 52) + shiftr(bi, 52) + shiftr(bh, 52) - 3*1023 > far_exponent - 3
+         shiftr(by, 52) + shiftr(bi, 52) + shiftr(bh, 52) - 3*1022 >= far_exponent - margin
    end subroutine put_in_order
 
    !> A vector and the vector part of a quaternion in sorted, right-handed axes.

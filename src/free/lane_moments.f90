@@ -4,6 +4,7 @@
 !> Bodies of one shape share the constants of their class: a body of moments s I moves over h as one
 !> of moments I over h/s, with the same y. Bodies that all differ have constants for each lane.
 module poinsot_free_lane_moments
+   use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_not_finite
    use poinsot_body_class, only: body_class, fastest
@@ -12,16 +13,18 @@ module poinsot_free_lane_moments
    use poinsot_free_method, only: free_method, advance_lanes
    implicit none(type, external)
    private
-   public :: lane_moments, take_scale, take_moments, takes_moments, advance_own
+   public :: lane_moments, take_scale, take_moments, complete_moments, common_limit, &
+      speed_limit, takes_moments, advance_own
 
-   !> Of the bodies of a block. All lanes are set, those of padding too, but for the constants.
+   !> Of the bodies of a block.
    type :: lane_moments
       ! arrays first: vectors of a block then begin at a multiple of 64 bytes
       real(dp), dimension(lanes) :: scale         !! over the moments of the class; else 1
-      real(dp), dimension(lanes, 3) :: moments    !! caller's axes
-      real(dp), dimension(lanes, 3) :: inverse    !! 0 for a zero moment
-      real(dp), dimension(lanes, 3) :: limit      !! momenta that no body may exceed
+      real(dp), dimension(lanes, 3) :: moments    !! caller's axes; by a scale: complete_moments
+      real(dp), dimension(lanes, 3) :: inverse    !! 0 for a zero moment; by complete_moments
+      real(dp), dimension(lanes, 3) :: limit      !! momenta that no body may exceed; likewise
       type(lane_constants) :: constants           !! unless `scaled`, once a step has needed them
+      real(dp) :: least                           !! the smallest moment of all
       logical :: scaled                           !! of the shape of the class; else any
       logical :: wide                             !! a scale is far from 1
       logical :: linear                           !! a body has no inertia about some axis
@@ -34,56 +37,74 @@ module poinsot_free_lane_moments
    integer, parameter :: range = 1018             !! powers of two that moments may have
    integer, parameter :: faint = -800             !! of y: below, it is not made smaller
    real(dp), parameter :: far = 1e70_dp           !! steps that are not divided by a small number
-   integer(i8), parameter :: exponent_bits = int(z'7FF0000000000000', i8)
 
 contains
 
-   !> Moments that are those of a class times a number for each body. A number that is not positive,
-   !> or moments beyond the range of numbers: POINSOT_E_DOMAIN; not finite: POINSOT_E_NOT_FINITE.
-   !> Such a lane gets the moments of its class.
-   pure subroutine take_scale(class, scale, own, status)
+   !> Moments that are those of a class times a number for each body, which stands in `own%scale`. A
+   !> number that is not positive, or moments beyond the range of numbers: POINSOT_E_DOMAIN; not
+   !> finite: POINSOT_E_NOT_FINITE. Such a lane gets the moments of its class.
+   pure subroutine take_scale(class, nvec, own, status)
       type(body_class), intent(in) :: class
-      real(dp), intent(in) :: scale(lanes)
+      integer, intent(in) :: nvec                 !! groups of lanes that hold bodies
       type(lane_moments), intent(inout) :: own
       integer, intent(inout) :: status(lanes)
-      integer(i8) :: least, most, bits, outside, spread
-      real(dp) :: reciprocal(lanes)
-      integer :: j, l
+      integer(i8) :: spread, smallest
+      call measure_scales(nvec, own%scale, spread, smallest)
+      own%scaled = .true.
+      own%linear = class%sorted(1) <= 0
+      if (spread > near .or. .not. has_room(class)) then
+         call judge_scales(class, nvec, own%scale, status)
+         call measure_scales(nvec, own%scale, spread, smallest)
+      end if
+      own%wide = spread > near
+      own%least = class%sorted(1)*transfer(smallest, own%least)
+   end subroutine take_scale
+
+   !> The largest power of two, either sign, and the bits of the smallest. A number that is not
+   !> positive and finite has a large power.
+   pure subroutine measure_scales(nvec, scale, spread, smallest)
+      integer, intent(in) :: nvec
+      real(dp), intent(in) :: scale(lanes)
+      integer(i8), intent(out) :: spread, smallest
+      integer(i8) :: bits, most
+      integer :: l
+      smallest = huge(smallest)
+      most = 0
+      !GCC$ ivdep
+      do l = 1, group*nvec
+         bits = transfer(scale(l), bits)
+         smallest = min(smallest, bits)
+         most = max(most, bits)
+      end do
+      spread = max(shiftr(most, 52) - 1023, 1023 - shifta(smallest, 52))
+   end subroutine measure_scales
+
+   !> Have the moments of a class room for scales that are near 1?
+   pure logical function has_room(class)
+      type(body_class), intent(in) :: class
+      integer(i8) :: bits(3)
+      bits = transfer(class%moments, bits)
+      has_room = maxval(bits) < shiftl(int(1023 + range - near - 1, i8), 52) .and. &
+         minval(bits) > shiftl(int(1023 - range + near + 1, i8), 52)
+   end function has_room
+
+   pure subroutine judge_scales(class, nvec, scale, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: nvec
+      real(dp), intent(inout) :: scale(lanes)
+      integer, intent(inout) :: status(lanes)
+      integer(i8) :: least, most, bits
+      integer :: l
       least = lowest_scale(class)
       most = highest_scale(class)
-      outside = 0
-      spread = 0
-      do l = 1, lanes
+      do l = 1, group*nvec
          bits = transfer(scale(l), bits)
-         outside = ior(outside, ior(bits - least, most - bits))
-         own%scale(l) = scale(l)
+         if (bits >= least .and. bits <= most) cycle
+         if (status(l) == poinsot_ok) status(l) = merge(poinsot_e_not_finite, poinsot_e_domain, &
+            iand(bits, exponent_bits) == exponent_bits)
+         scale(l) = 1
       end do
-      if (outside < 0) then
-         do l = 1, lanes
-            bits = transfer(scale(l), bits)
-            if (bits >= least .and. bits <= most) cycle
-            if (status(l) == poinsot_ok) status(l) = merge(poinsot_e_not_finite, poinsot_e_domain, &
-               iand(bits, exponent_bits) == exponent_bits)
-            own%scale(l) = 1
-         end do
-      end if
-      do l = 1, lanes
-         spread = max(spread, abs(shiftr(transfer(own%scale(l), bits), 52) - 1023))
-      end do
-      own%scaled = .true.
-      own%wide = spread > near
-      own%linear = class%sorted(1) <= 0
-      do l = 1, lanes
-         reciprocal(l) = 1/own%scale(l)  ! one division, and a rounding more for velocities
-      end do
-      do j = 1, 3
-         do l = 1, lanes
-            own%moments(l, j) = class%moments(j)*own%scale(l)
-            own%inverse(l, j) = class%inverse(j)*reciprocal(l)
-         end do
-      end do
-      call set_limits(own)
-   end subroutine take_scale
+   end subroutine judge_scales
 
    !> Bits of the smallest number that leaves every moment of a class one.
    pure integer(i8) function lowest_scale(class)
@@ -105,65 +126,55 @@ contains
       highest_scale = shiftl(int(max(e, -range) + 1023, i8), 52)
    end function highest_scale
 
-   !> Moments for each body. Those that no body has: POINSOT_E_DOMAIN; not finite:
-   !> POINSOT_E_NOT_FINITE.
-   pure subroutine take_moments(moments, nvec, own, status)
-      real(dp), intent(in) :: moments(lanes, 3)   !! principal moments, any order, any unit
+   !> Moments for each body, which stand in `own%moments`: principal ones, any order, any unit. Those
+   !> that no body has: POINSOT_E_DOMAIN; not finite: POINSOT_E_NOT_FINITE.
+   pure subroutine take_moments(nvec, own, status)
       integer, intent(in) :: nvec                 !! groups of lanes that hold bodies
       type(lane_moments), intent(inout) :: own
       integer, intent(inout) :: status(lanes)
-      integer(i8) :: bits, most
-      integer :: j, l
       own%scaled = .false.
       own%wide = .false.
       own%made = .false.
-      most = 0
-      do j = 1, 3
-         !GCC$ ivdep
-         do l = 1, lanes
-            own%moments(l, j) = moments(l, j)
-            most = max(most, iand(transfer(moments(l, j), bits), exponent_bits))
-         end do
-      end do
-      own%scale = 1
-      if (most == exponent_bits) call drop_not_finite(own, status)
-      call accept_lanes(own%moments, nvec, status)
-      own%linear = .not. all(own%moments > 0)
-      if (own%linear) then
-         own%inverse = 0
-         where (own%moments > 0) own%inverse = 1/own%moments
-      else
-         own%inverse = 1/own%moments
-      end if
-      call set_limits(own)
+      call accept_lanes(own%moments, nvec, status, own%least)
+      own%linear = .not. own%least > 0
    end subroutine take_moments
 
-   !> Moments that are no numbers: those of a sphere, and a status.
-   pure subroutine drop_not_finite(own, status)
+   !> What the step of a body with inertia about every axis does without: moments by a scale, their
+   !> inverses, bounds on momenta.
+   pure subroutine complete_moments(class, nvec, own)
+      type(body_class), intent(in) :: class       !! of these bodies
+      integer, intent(in) :: nvec
       type(lane_moments), intent(inout) :: own
-      integer, intent(inout) :: status(lanes)
-      integer(i8) :: bits(3)
-      integer :: l
-      do l = 1, lanes
-         bits = transfer(own%moments(l, :), bits)
-         if (all(iand(bits, exponent_bits) /= exponent_bits)) cycle
-         if (status(l) == poinsot_ok) status(l) = poinsot_e_not_finite
-         own%moments(l, :) = 1
-      end do
-   end subroutine drop_not_finite
-
-   !> Bounds on momenta: no body may turn faster than `fastest`.
-   pure subroutine set_limits(own)
-      type(lane_moments), intent(inout) :: own
-      integer :: j, l
-      do j = 1, 3
-         !GCC$ ivdep
-         do l = 1, lanes
-            own%limit(l, j) = fastest*min(own%moments(l, j), heaviest)
+      real(dp) :: reciprocal(lanes)
+      integer :: j, n
+      n = group*nvec
+      if (own%scaled) then
+         reciprocal(:n) = 1/own%scale(:n)  ! one division, and a rounding more for velocities
+         do j = 1, 3
+            own%moments(:n, j) = class%moments(j)*own%scale(:n)
+            own%inverse(:n, j) = class%inverse(j)*reciprocal(:n)
          end do
-      end do
-      if (own%linear) where (.not. own%moments > 0) own%limit = massless
-   end subroutine set_limits
+      else if (own%linear) then
+         own%inverse(:n, :) = 0
+         where (own%moments(:n, :) > 0) own%inverse(:n, :) = 1/own%moments(:n, :)
+      else
+         own%inverse(:n, :) = 1/own%moments(:n, :)
+      end if
+      own%limit(:n, :) = speed_limit(own%moments(:n, :))
+      if (own%linear) where (.not. own%moments(:n, :) > 0) own%limit(:n, :) = massless
+   end subroutine complete_moments
+
+   !> A bound on momenta that no body of the block would exceed by turning too fast.
+   pure real(dp) function common_limit(own)
+      type(lane_moments), intent(in) :: own
+      common_limit = speed_limit(own%least)
+   end function common_limit
+
+   !> A bound on momentum about an axis with inertia: no body may turn faster than `fastest`.
+   elemental real(dp) function speed_limit(moment)
+      real(dp), intent(in) :: moment
+      speed_limit = fastest*min(moment, heaviest)
+   end function speed_limit
 
    !> Is there a kernel of a method for bodies that all differ?
    pure logical function takes_moments(method)
@@ -171,28 +182,35 @@ contains
       takes_moments = method%name == "exact" .or. method%name == "jacobi"
    end function takes_moments
 
-   !> One step of a block. A lane whose status is not POINSOT_OK stands still; a lane that fails
-   !> here gets its status and keeps its state.
-   pure subroutine advance_own(own, method, class, h, y, q, status, nvec, carry)
+   !> Steps of a block. A lane whose status is not POINSOT_OK stands still; a lane that fails here
+   !> gets its status and keeps its state of then.
+   pure subroutine advance_own(own, method, class, h, steps, y, q, status, nvec, carry)
       type(lane_moments), intent(inout) :: own
       type(free_method), intent(in) :: method                !! one that takes them
       type(body_class), intent(in) :: class                  !! of these bodies
       real(dp), intent(in) :: h                              !! step, either sign
+      integer, intent(in) :: steps                           !! how many
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)    !! the state
       integer, intent(inout) :: status(lanes)
       integer, intent(in) :: nvec                            !! groups of lanes to work on
       real(dp), intent(inout), optional :: carry(lanes, 7)   !! compensated sums, if wanted
       real(dp) :: hl(lanes)
+      integer :: k
       if (.not. own%scaled) then
          hl = h
          if (.not. own%made) call make_constants(nvec, own%moments, own%constants)
          own%made = .true.
-         call advance_each(own%constants, method%name == "jacobi", hl, y, q, status, nvec, carry)
+         call advance_each(own%constants, method%name == "jacobi", hl, steps, y, q, status, nvec, &
+                           carry)
       else if (own%wide .or. abs(h) > far) then
-         call advance_wide(own, method, class, h, y, q, status, nvec, carry)
+         do k = 1, steps
+            call advance_wide(own, method, class, h, y, q, status, nvec, carry)
+         end do
       else
          hl = h/own%scale
-         call advance_lanes(method, class, hl, y, q, status, nvec, carry)
+         do k = 1, steps
+            call advance_lanes(method, class, hl, y, q, status, nvec, carry)
+         end do
       end if
    end subroutine advance_own
 

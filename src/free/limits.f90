@@ -5,7 +5,7 @@ module poinsot_free_limits
    use poinsot_body_class, only: body_class
    implicit none(type, external)
    private
-   public :: reject_speed, reject_speed_each, reject_torque
+   public :: are_slow, reject_speed, reject_speed_each, reject_torque
 
 contains
 
@@ -34,6 +34,21 @@ contains
          y(l, :) = 0
       end do
    end subroutine reject_speed
+
+   !> Is no momentum beyond a limit?
+   pure logical function are_slow(limit, y, nvec)
+      real(dp), intent(in) :: limit
+      real(dp), intent(in) :: y(lanes, 3)
+      integer, intent(in) :: nvec           !! groups of lanes to look at
+      integer(i8) :: most
+      integer :: l
+      most = 0
+      !GCC$ ivdep
+      do l = 1, group*nvec
+         most = max(most, magnitude(y(l, 1)), magnitude(y(l, 2)), magnitude(y(l, 3)))
+      end do
+      are_slow = most <= magnitude(limit)
+   end function are_slow
 
    !> The same for bodies that all differ.
    pure subroutine reject_speed_each(limit, y, status, nvec)

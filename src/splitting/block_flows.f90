@@ -133,10 +133,10 @@ contains
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       if (self%compensated) then
-         call advance_own(self%own, self%method, self%class, h, self%y, self%q, self%status, &
+         call advance_own(self%own, self%method, self%class, h, 1, self%y, self%q, self%status, &
                           self%nvec, self%carry)
       else
-         call advance_own(self%own, self%method, self%class, h, self%y, self%q, self%status, &
+         call advance_own(self%own, self%method, self%class, h, 1, self%y, self%q, self%status, &
                           self%nvec)
       end if
    end subroutine rotate_own

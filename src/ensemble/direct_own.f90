@@ -1,0 +1,174 @@
+!> The short way for bodies with moments of their own: a number times those of the class, or any.
+!> See poinsot_ensemble_direct.
+module poinsot_ensemble_direct_own
+   use poinsot_core_kinds, only: dp, group, lanes
+   use poinsot_core_lanes, only: any_failed
+   use poinsot_core_status, only: poinsot_ok
+   use poinsot_body_class, only: body_class
+   use poinsot_ensemble_block, only: reject, reject_own, reject_torques, add_products
+   use poinsot_ensemble_layout, only: body_momentum, body_velocity, space_velocity, from_native, &
+      to_native
+   use poinsot_ensemble_plain, only: plain_arrays, plain_torques, load, load_moments, &
+      load_torques, store
+   use poinsot_free_lane_moments, only: lane_moments, advance_own, common_limit, &
+      complete_moments, take_moments, take_scale
+   use poinsot_free_limits, only: are_slow, reject_speed_each
+   use poinsot_free_method, only: free_method
+   implicit none(type, external)
+   private
+   public :: rotate_own, kick_own
+
+contains
+
+   !> `steps` steps of h. Bodies that fail keep their state. A block with a body that has no inertia
+   !> about an axis, and what comes after it, is left.
+   subroutine rotate_own(class, method, momentum, h, steps, keep, a, failed, left)
+      type(body_class), intent(in) :: class
+      type(free_method), intent(in) :: method
+      integer, intent(in) :: momentum
+      real(dp), intent(in) :: h
+      integer, intent(in) :: steps
+      logical, intent(in) :: keep
+      type(plain_arrays), intent(in) :: a
+      logical, intent(inout) :: failed
+      integer, intent(out) :: left              !! first body that is left; 0: none is
+      real(dp) :: y(lanes, 3), q(lanes, 4), p(lanes, 4)
+      type(lane_moments) :: own
+      integer :: status(lanes), first, m, nvec, k
+      left = 0
+      do k = 1, lanes ! a loop here has the compiler align the whole of them
+         y(k, 1) = 0
+         q(k, 1) = 0
+         p(k, 1) = 0
+         own%scale(k) = 1
+      end do
+      do first = 1, a%n, lanes
+         m = min(lanes, a%n - first + 1)
+         nvec = (m + group - 1)/group
+         call take_own(class, momentum, a, first, m, nvec, own, status)
+         if (own%linear) then
+            left = first
+            return
+         end if
+         if (momentum == body_momentum) then
+            call load(a, first, m, nvec, y, q)
+            call reject_own(class, nvec, own, y, q, status)
+            call advance_own(own, method, class, h, steps, y, q, status, nvec)
+            call store(a, first, m, nvec, y, q, status, .false., .false., failed)
+         else
+            call load_own(class, momentum, a, first, m, nvec, own, p, q, y, status)
+            call advance_own(own, method, class, h, steps, y, q, status, nvec)
+            if (.not. keep) call from_native(momentum, .false., class, class%rotor, y, q, p, own, &
+               nvec)
+            call store(a, first, m, nvec, p, q, status, keep, .false., failed)
+         end if
+      end do
+   end subroutine rotate_own
+
+   !> p += h g in the caller's variable.
+   subroutine kick_own(class, momentum, h, g, a, failed, left)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: momentum
+      real(dp), intent(in) :: h
+      type(plain_torques), intent(in) :: g
+      type(plain_arrays), intent(in) :: a
+      logical, intent(inout) :: failed
+      integer, intent(out) :: left
+      real(dp) :: y(lanes, 3), q(lanes, 4), p(lanes, 4), torque(lanes, 3)
+      type(lane_moments) :: own
+      integer :: status(lanes), first, m, nvec, k
+      left = 0
+      do k = 1, lanes ! aligned
+         y(k, 1) = 0
+         q(k, 1) = 0
+         p(k, 1) = 0
+         torque(k, 1) = 0
+         own%scale(k) = 1
+      end do
+      do first = 1, a%n, lanes
+         m = min(lanes, a%n - first + 1)
+         nvec = (m + group - 1)/group
+         call take_own(class, momentum, a, first, m, nvec, own, status)
+         if (own%linear) then
+            left = first
+            return
+         end if
+         call load_torques(g, first, m, nvec, torque)
+         if (momentum == body_momentum) then
+            call load(a, first, m, nvec, p, q)
+            call reject_own(class, nvec, own, p, q, status)
+         else
+            call load_own(class, momentum, a, first, m, nvec, own, p, q, y, status)
+         end if
+         call reject_torques(nvec, h, torque, status)
+         call add_products(nvec, h, torque, p, status)
+         call store(a, first, m, nvec, p, q, status, .false., .true., failed)
+      end do
+   end subroutine kick_own
+
+   !> Moments of a block.
+   subroutine take_own(class, momentum, a, first, m, nvec, own, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: momentum
+      type(plain_arrays), intent(in) :: a
+      integer, intent(in) :: first, m, nvec
+      type(lane_moments), intent(inout) :: own
+      integer, intent(out) :: status(lanes)
+      integer :: l
+      do l = 1, lanes
+         status(l) = poinsot_ok
+      end do
+      if (a%has_moments) then
+         call load_moments(a, first, m, nvec, own%moments)
+         call take_moments(nvec, own, status)
+      else
+         do l = m + 1, group*nvec
+            own%scale(l) = 1
+         end do
+         do l = 1, m
+            own%scale(l) = a%scale(first + l - 1)
+         end do
+         call take_scale(class, nvec, own, status)
+      end if
+      if (momentum == body_velocity .or. momentum == space_velocity) then
+         call complete_moments(class, nvec, own)
+      end if
+   end subroutine take_own
+
+   !> The caller's variable, checked, and y.
+   subroutine load_own(class, momentum, a, first, m, nvec, own, p, q, y, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: momentum
+      type(plain_arrays), intent(in) :: a
+      integer, intent(in) :: first, m, nvec
+      type(lane_moments), intent(inout) :: own
+      real(dp), intent(inout) :: p(lanes, 4), q(lanes, 4), y(lanes, 3)
+      integer, intent(inout) :: status(lanes)
+      real(dp), parameter :: none = huge(1.0_dp)
+      integer :: l
+      call load(a, first, m, nvec, p, q)
+      call reject(nvec, a%columns, [none, none, none, none], p, q, status)
+      if (any_failed(status, nvec)) then
+         do l = 1, m
+            if (status(l) == poinsot_ok) cycle
+            p(l, :) = 0
+            q(l, :) = [1, 0, 0, 0]
+         end do
+      end if
+      call to_native(momentum, .false., class, class%rotor, p, y, q, own, nvec)
+      call reject_speed_own(class, nvec, own, y, status)
+   end subroutine load_own
+
+   !> Bodies that turn too fast.
+   pure subroutine reject_speed_own(class, nvec, own, y, status)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: nvec
+      type(lane_moments), intent(inout) :: own
+      real(dp), intent(inout) :: y(lanes, 3)
+      integer, intent(inout) :: status(lanes)
+      if (are_slow(common_limit(own), y, nvec)) return
+      call complete_moments(class, nvec, own)
+      call reject_speed_each(own%limit, y, status, nvec)
+   end subroutine reject_speed_own
+
+end module poinsot_ensemble_direct_own
