@@ -3,7 +3,7 @@
 module poinsot_ensemble_plain
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_intptr_t, c_loc, &
       c_null_ptr, c_ptr, c_ptrdiff_t
-   use poinsot_core_kinds, only: dp, group, lanes
+   use poinsot_core_kinds, only: dp, group, groups, lanes
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok
    use poinsot_ensemble_bodies, only: body_view, column
@@ -15,27 +15,34 @@ module poinsot_ensemble_plain
 
    integer, parameter :: bytes = storage_size(1.0_dp)/8
 
+   !> The numbers of a block. A pointer to it is an address and nothing more; a pointer to an array
+   !> is 64 bytes, for which few bodies would have to wait.
+   type, bind(c) :: numbers
+      real(dp) :: x(4*lanes)
+   end type numbers
+
+   !> Three or four components of all bodies, with one stride.
+   type :: components
+      integer(c_ptrdiff_t) :: stride
+      logical :: rows                           !! they are rows without gaps
+      type(c_ptr) :: x(4)                       !! first numbers
+   end type components
+
    !> Nothing is initialised: one body must not wait for it.
    type :: plain_arrays
       integer :: n                              !! bodies
       integer :: columns                        !! of the momentum variable, 3 or 4
-      type(c_ptr) :: y(4), q(4)                 !! first numbers; y(4) is y(1) where there are three
-      integer(c_ptrdiff_t) :: dy, dq            !! strides
-      logical :: y_rows, q_rows                 !! they are rows without gaps
+      type(components) :: y, q
       integer(c_int), pointer, contiguous :: each(:) !! status of each body, or not associated
       real(dp), pointer, contiguous :: scale(:) !! moments over the class's, or none
       logical :: has_moments                    !! each body has its own
-      type(c_ptr) :: moments(4)                 !! then their first numbers, of three components
-      integer(c_ptrdiff_t) :: dm                !! and stride
-      logical :: m_rows                         !! they are rows without gaps
+      type(components) :: moments               !! then these
    end type plain_arrays
 
    !> Torques of a kick.
    type :: plain_torques
       integer :: n                              !! bodies
-      type(c_ptr) :: of(3)                      !! first numbers
-      integer(c_ptrdiff_t) :: stride
-      logical :: rows                           !! they are rows without gaps
+      type(components) :: of
    end type plain_torques
 
 contains
@@ -51,17 +58,8 @@ contains
       type(plain_arrays), intent(out) :: a
       a%n = n
       a%columns = columns
-      a%dy = dy
-      a%dq = dq
-      a%y(1:3) = y(1:3)
-      a%y(4) = y(merge(4, 1, columns == 4))
-      a%q = q
-      a%y_rows = .false.
-      a%q_rows = .false.
-      if (n >= lanes) then
-         a%y_rows = are_rows(y, dy)
-         a%q_rows = are_rows(q, dq)
-      end if
+      call open_components(n, y, dy, a%y)
+      call open_components(n, q, dq, a%q)
       nullify (a%each)
       if (c_associated(each)) call c_f_pointer(each, a%each, [n])
       nullify (a%scale)
@@ -75,9 +73,7 @@ contains
       integer(c_ptrdiff_t), intent(in) :: stride !! at least 1
       type(plain_arrays), intent(inout) :: a
       a%has_moments = .true.
-      a%moments = [bases, bases(1)]
-      a%dm = stride
-      a%m_rows = are_rows(bases, stride)
+      call open_components(a%n, bases, stride, a%moments)
    end subroutine open_moments
 
    !> The same of a view, if there is nothing in it but y, q, statuses, and scales or moments.
@@ -146,10 +142,19 @@ contains
       integer(c_ptrdiff_t), intent(in) :: stride
       type(plain_torques), intent(out) :: t
       t%n = n
-      t%of = bases
-      t%stride = stride
-      t%rows = are_rows(bases, stride)
+      call open_components(n, bases, stride, t%of)
    end subroutine open_torques
+
+   subroutine open_components(n, bases, stride, x)
+      integer, intent(in) :: n
+      type(c_ptr), intent(in) :: bases(:)       !! three or four
+      integer(c_ptrdiff_t), intent(in) :: stride
+      type(components), intent(out) :: x
+      x%stride = stride
+      x%x(:size(bases)) = bases
+      x%rows = .false.
+      if (n >= group) x%rows = are_rows(bases, stride)
+   end subroutine open_components
 
    !> The same of columns, if they have one stride.
    subroutine open_plain_torques(n, torque, t, plain)
@@ -211,8 +216,8 @@ contains
          call fill(1, 1.0_dp, q(l, 1))
          call fill(3, 0.0_dp, q(l, 2))
       end if
-      call take_from(a%y, a%n, a%columns, a%dy, a%y_rows, first, m, y)
-      call take_from(a%q, a%n, 4, a%dq, a%q_rows, first, m, q)
+      call take(a%columns, a%y, first, m, y)
+      call take(4, a%q, first, m, q)
    end subroutine load
 
    !> A group of lanes in some columns.
@@ -234,7 +239,7 @@ contains
       integer, intent(in) :: first, m, nvec
       real(dp), intent(inout) :: moments(lanes, 3)
       if (m < group*nvec) call fill(3, 1.0_dp, moments(group*(nvec - 1) + 1, 1))
-      call take_from(a%moments, a%n, 3, a%dm, a%m_rows, first, m, moments)
+      call take(3, a%moments, first, m, moments)
    end subroutine load_moments
 
    !> Torques of the same bodies; none on the rest.
@@ -243,7 +248,7 @@ contains
       integer, intent(in) :: first, m, nvec
       real(dp), intent(inout) :: g(lanes, 3)
       if (m < group*nvec) call fill(3, 0.0_dp, g(group*(nvec - 1) + 1, 1))
-      call take_from([t%of, t%of(1)], t%n, 3, t%stride, t%rows, first, m, g)
+      call take(3, t%of, first, m, g)
    end subroutine load_torques
 
    !> And back, but for those that failed; every status.
@@ -279,107 +284,112 @@ contains
       integer, intent(in) :: first, n, from
       real(dp), intent(in) :: y(lanes, *), q(lanes, 4)
       logical, intent(in) :: keep_y, keep_q
-      if (.not. keep_y) call give_to(a%y, a%n, a%columns, a%dy, a%y_rows, first, n, from, y)
-      if (.not. keep_q) call give_to(a%q, a%n, 4, a%dq, a%q_rows, first, n, from, q)
+      if (.not. keep_y) call give(a%columns, a%y, first, n, from, y)
+      if (.not. keep_q) call give(4, a%q, first, n, from, q)
    end subroutine put
 
-   !> Components by their addresses.
-   subroutine open_columns(x, length, x1, x2, x3, x4)
-      type(c_ptr), intent(in) :: x(4)
-      integer(c_ptrdiff_t), intent(in) :: length
-      real(dp), pointer, contiguous, dimension(:), intent(out) :: x1, x2, x3, x4
-      call c_f_pointer(x(1), x1, [length])
-      call c_f_pointer(x(2), x2, [length])
-      call c_f_pointer(x(3), x3, [length])
-      call c_f_pointer(x(4), x4, [length])
-   end subroutine open_columns
-
-   !> m bodies from `first` on of three or four components, by the addresses of these.
-   subroutine take_from(x, n, columns, stride, rows, first, m, into)
-      type(c_ptr), intent(in) :: x(4)
-      integer, intent(in) :: n                  !! bodies that there are
-      integer, intent(in) :: columns
-      integer(c_ptrdiff_t), intent(in) :: stride
-      logical, intent(in) :: rows
-      integer, intent(in) :: first, m
-      real(dp), intent(inout) :: into(lanes, *)
-      real(dp), pointer, contiguous, dimension(:) :: x1, x2, x3, x4
-      call open_columns(x, 1 + max(0, n - 1)*stride, x1, x2, x3, x4)
-      call take(columns, stride, rows, first, m, x1, x2, x3, x4, into)
-   end subroutine take_from
-
-   !> n lanes from `from` on to bodies from `first` on.
-   subroutine give_to(x, all, columns, stride, rows, first, n, from, y)
-      type(c_ptr), intent(in) :: x(4)
-      integer, intent(in) :: all                !! bodies that there are
-      integer, intent(in) :: columns
-      integer(c_ptrdiff_t), intent(in) :: stride
-      logical, intent(in) :: rows
-      integer, intent(in) :: first, n, from
-      real(dp), intent(in) :: y(lanes, *)
-      real(dp), pointer, contiguous, dimension(:) :: x1, x2, x3, x4
-      call open_columns(x, 1 + max(0, all - 1)*stride, x1, x2, x3, x4)
-      call give(columns, stride, rows, first, n, from, y, x1, x2, x3, x4)
-   end subroutine give_to
+   !> The address of number i, from 0, of those from an address on.
+   pure type(c_ptr) function number_at(base, i)
+      type(c_ptr), intent(in) :: base
+      integer(c_ptrdiff_t), intent(in) :: i
+      number_at = transfer(address(base) + bytes*i, base)
+   end function number_at
 
    !> m bodies from `first` on of three or four components.
-   pure subroutine take(columns, stride, rows, first, m, x1, x2, x3, x4, into)
+   subroutine take(columns, x, first, m, into)
       integer, intent(in) :: columns
-      integer(c_ptrdiff_t), intent(in) :: stride
-      logical, intent(in) :: rows
+      type(components), intent(in) :: x
       integer, intent(in) :: first, m
-      real(dp), intent(in) :: x1(*), x2(*), x3(*), x4(*) !! x4 is not read if there are three
       real(dp), intent(inout) :: into(lanes, *)
+      type(numbers), pointer :: some
       integer(c_ptrdiff_t) :: at
-      integer :: l
-      at = 1 + (first - 1)*stride
-      if (rows .and. m == lanes) then
-         if (columns == 3) call rows_in_3(x1(at), into)
-         if (columns == 4) call rows_in_4(x1(at), into)
-      else if (stride == 1) then
-         call copy(m, x1(at), into(1, 1))
-         call copy(m, x2(at), into(1, 2))
-         call copy(m, x3(at), into(1, 3))
-         if (columns == 4) call copy(m, x4(at), into(1, 4))
-      else
-         do l = 1, m
-            into(l, 1) = x1(at)
-            into(l, 2) = x2(at)
-            into(l, 3) = x3(at)
-            if (columns == 4) into(l, 4) = x4(at)
-            at = at + stride
-         end do
+      integer :: j, l, whole
+      at = (first - 1)*x%stride
+      if (x%rows .and. m == lanes) then
+         call c_f_pointer(number_at(x%x(1), at), some)
+         if (columns == 3) call rows_in_3(groups, some%x, into)
+         if (columns == 4) call rows_in_4(groups, some%x, into)
+         return
       end if
+      if (x%stride == 1) then
+         do j = 1, columns
+            call c_f_pointer(number_at(x%x(j), at), some)
+            call copy(m, some%x, into(1, j))
+         end do
+         return
+      end if
+      whole = 0
+      if (x%rows) then
+         whole = m/group
+         call c_f_pointer(number_at(x%x(1), at), some)
+         if (columns == 3) call rows_in_3(whole, some%x, into)
+         if (columns == 4) call rows_in_4(whole, some%x, into)
+         whole = group*whole
+      end if
+      do l = whole + 1, m
+         at = (first + l - 2)*x%stride
+         into(l, 1) = number(x%x(1), at)
+         into(l, 2) = number(x%x(2), at)
+         into(l, 3) = number(x%x(3), at)
+         if (columns == 4) into(l, 4) = number(x%x(4), at)
+      end do
    end subroutine take
 
+   real(dp) function number(base, i)
+      type(c_ptr), intent(in) :: base
+      integer(c_ptrdiff_t), intent(in) :: i
+      real(dp), pointer :: one
+      call c_f_pointer(number_at(base, i), one)
+      number = one
+   end function number
+
+   subroutine set_number(base, i, value)
+      type(c_ptr), intent(in) :: base
+      integer(c_ptrdiff_t), intent(in) :: i
+      real(dp), intent(in) :: value
+      real(dp), pointer :: one
+      call c_f_pointer(number_at(base, i), one)
+      one = value
+   end subroutine set_number
+
    !> n lanes from `from` on to bodies from `first` on.
-   pure subroutine give(columns, stride, rows, first, n, from, x, x1, x2, x3, x4)
+   subroutine give(columns, x, first, n, from, y)
       integer, intent(in) :: columns
-      integer(c_ptrdiff_t), intent(in) :: stride
-      logical, intent(in) :: rows
+      type(components), intent(in) :: x
       integer, intent(in) :: first, n, from
-      real(dp), intent(in) :: x(lanes, *)
-      real(dp), intent(inout) :: x1(*), x2(*), x3(*), x4(*)
+      real(dp), intent(in) :: y(lanes, *)
+      type(numbers), pointer :: some
       integer(c_ptrdiff_t) :: at
-      integer :: l
-      at = 1 + (first - 1)*stride
-      if (rows .and. n == lanes) then
-         if (columns == 3) call rows_out_3(x, x1(at))
-         if (columns == 4) call rows_out_4(x, x1(at))
-      else if (stride == 1) then
-         call copy(n, x(from, 1), x1(at))
-         call copy(n, x(from, 2), x2(at))
-         call copy(n, x(from, 3), x3(at))
-         if (columns == 4) call copy(n, x(from, 4), x4(at))
-      else
-         do l = from, from + n - 1
-            x1(at) = x(l, 1)
-            x2(at) = x(l, 2)
-            x3(at) = x(l, 3)
-            if (columns == 4) x4(at) = x(l, 4)
-            at = at + stride
-         end do
+      integer :: j, l, whole
+      at = (first - 1)*x%stride
+      if (x%rows .and. n == lanes) then
+         call c_f_pointer(number_at(x%x(1), at), some)
+         if (columns == 3) call rows_out_3(groups, y(from, 1), some%x)
+         if (columns == 4) call rows_out_4(groups, y(from, 1), some%x)
+         return
       end if
+      if (x%stride == 1) then
+         do j = 1, columns
+            call c_f_pointer(number_at(x%x(j), at), some)
+            call copy(n, y(from, j), some%x)
+         end do
+         return
+      end if
+      whole = 0
+      if (x%rows) then
+         whole = n/group
+         call c_f_pointer(number_at(x%x(1), at), some)
+         if (columns == 3) call rows_out_3(whole, y(from, 1), some%x)
+         if (columns == 4) call rows_out_4(whole, y(from, 1), some%x)
+         whole = group*whole
+      end if
+      do l = whole, n - 1
+         at = (first + l - 1)*x%stride
+         call set_number(x%x(1), at, y(from + l, 1))
+         call set_number(x%x(2), at, y(from + l, 2))
+         call set_number(x%x(3), at, y(from + l, 3))
+         if (columns == 4) call set_number(x%x(4), at, y(from + l, 4))
+      end do
    end subroutine give
 
    pure subroutine copy(n, from, to)

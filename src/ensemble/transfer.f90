@@ -3,7 +3,7 @@
 !> call.
 module poinsot_ensemble_transfer
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_intptr_t, c_loc, c_ptr
-   use poinsot_core_kinds, only: dp, lanes
+   use poinsot_core_kinds, only: dp, group, groups, lanes
    use poinsot_ensemble_bodies, only: column
    implicit none(type, external)
    private
@@ -65,9 +65,9 @@ contains
          end do
       else if (in_a_row(a%scattered, at, n)) then
          if (a%columns == 3) then
-            call rows_in_3(a%rows(:, at(1):at(n)), into)
+            call rows_in_3(groups, a%rows(:, at(1):at(n)), into)
          else
-            call rows_in_4(a%rows(:, at(1):at(n)), into)
+            call rows_in_4(groups, a%rows(:, at(1):at(n)), into)
          end if
       else
          do j = 1, a%columns
@@ -90,9 +90,9 @@ contains
          end do
       else if (in_a_row(a%scattered, at, n)) then
          if (a%columns == 3) then
-            call rows_out_3(from, a%rows(:, at(1):at(n)))
+            call rows_out_3(groups, from, a%rows(:, at(1):at(n)))
          else
-            call rows_out_4(from, a%rows(:, at(1):at(n)))
+            call rows_out_4(groups, from, a%rows(:, at(1):at(n)))
          end if
       else
          do l = 1, n
@@ -111,50 +111,90 @@ contains
       if (in_a_row) in_a_row = at(n) - at(1) == lanes - 1
    end function in_a_row
 
-   pure subroutine rows_in_3(rows, into)
-      real(dp), intent(in) :: rows(3, lanes)
-      real(dp), intent(inout) :: into(lanes, 3)
+   ! Rows of whole groups of lanes; of a full block without counting.
+
+   pure subroutine rows_in_3(nvec, rows, into)
+      integer, intent(in) :: nvec                  !! groups of lanes
+      real(dp), intent(in) :: rows(3, *)
+      real(dp), intent(inout) :: into(lanes, *)
       integer :: l
-      do l = 1, lanes
-         into(l, 1) = rows(1, l)
-         into(l, 2) = rows(2, l)
-         into(l, 3) = rows(3, l)
-      end do
+      if (nvec == groups) then
+         do l = 1, lanes
+            into(l, 1) = rows(1, l)
+            into(l, 2) = rows(2, l)
+            into(l, 3) = rows(3, l)
+         end do
+      else
+         do l = 1, group*nvec
+            into(l, 1) = rows(1, l)
+            into(l, 2) = rows(2, l)
+            into(l, 3) = rows(3, l)
+         end do
+      end if
    end subroutine rows_in_3
 
-   pure subroutine rows_in_4(rows, into)
-      real(dp), intent(in) :: rows(4, lanes)
-      real(dp), intent(inout) :: into(lanes, 4)
+   pure subroutine rows_in_4(nvec, rows, into)
+      integer, intent(in) :: nvec                  !! groups of lanes
+      real(dp), intent(in) :: rows(4, *)
+      real(dp), intent(inout) :: into(lanes, *)
       integer :: l
-      do l = 1, lanes
-         into(l, 1) = rows(1, l)
-         into(l, 2) = rows(2, l)
-         into(l, 3) = rows(3, l)
-         into(l, 4) = rows(4, l)
-      end do
+      if (nvec == groups) then
+         do l = 1, lanes
+            into(l, 1) = rows(1, l)
+            into(l, 2) = rows(2, l)
+            into(l, 3) = rows(3, l)
+            into(l, 4) = rows(4, l)
+         end do
+      else
+         do l = 1, group*nvec
+            into(l, 1) = rows(1, l)
+            into(l, 2) = rows(2, l)
+            into(l, 3) = rows(3, l)
+            into(l, 4) = rows(4, l)
+         end do
+      end if
    end subroutine rows_in_4
 
-   pure subroutine rows_out_3(from, rows)
-      real(dp), intent(in) :: from(lanes, 3)
-      real(dp), intent(inout) :: rows(3, lanes)
+   pure subroutine rows_out_3(nvec, from, rows)
+      integer, intent(in) :: nvec
+      real(dp), intent(in) :: from(lanes, *)
+      real(dp), intent(inout) :: rows(3, *)
       integer :: l
-      do l = 1, lanes
-         rows(1, l) = from(l, 1)
-         rows(2, l) = from(l, 2)
-         rows(3, l) = from(l, 3)
-      end do
+      if (nvec == groups) then
+         do l = 1, lanes
+            rows(1, l) = from(l, 1)
+            rows(2, l) = from(l, 2)
+            rows(3, l) = from(l, 3)
+         end do
+      else
+         do l = 1, group*nvec
+            rows(1, l) = from(l, 1)
+            rows(2, l) = from(l, 2)
+            rows(3, l) = from(l, 3)
+         end do
+      end if
    end subroutine rows_out_3
 
-   pure subroutine rows_out_4(from, rows)
-      real(dp), intent(in) :: from(lanes, 4)
-      real(dp), intent(inout) :: rows(4, lanes)
+   pure subroutine rows_out_4(nvec, from, rows)
+      integer, intent(in) :: nvec
+      real(dp), intent(in) :: from(lanes, *)
+      real(dp), intent(inout) :: rows(4, *)
       integer :: l
-      do l = 1, lanes
-         rows(1, l) = from(l, 1)
-         rows(2, l) = from(l, 2)
-         rows(3, l) = from(l, 3)
-         rows(4, l) = from(l, 4)
-      end do
+      if (nvec == groups) then
+         do l = 1, lanes
+            rows(1, l) = from(l, 1)
+            rows(2, l) = from(l, 2)
+            rows(3, l) = from(l, 3)
+            rows(4, l) = from(l, 4)
+         end do
+      else
+         do l = 1, group*nvec
+            rows(1, l) = from(l, 1)
+            rows(2, l) = from(l, 2)
+            rows(3, l) = from(l, 3)
+            rows(4, l) = from(l, 4)
+         end do
+      end if
    end subroutine rows_out_4
 
    !> One strided column; the compiler makes a version of its own for stride 1.
