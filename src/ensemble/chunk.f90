@@ -1,6 +1,7 @@
 !> Bodies sorted by class, chunk by chunk, so that they go into blocks of one class. A chunk is the
 !> unit that OpenMP hands to threads.
 module poinsot_ensemble_chunk
+   use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_ensemble_bodies, only: body_view
@@ -86,48 +87,92 @@ contains
       end do
    end subroutine reject_chunk
 
-   !> Classes that are there, in the order of their places; then sorted if they are not.
+   !> The bodies of a chunk in the order of their classes.
    subroutine sort_by_class(view, classes, last, h, refused)
       type(body_view), intent(in) :: view
       integer, intent(in) :: classes, last
       type(class_sorted_chunk), intent(inout) :: h
       logical, intent(inout) :: refused
-      integer :: i, class, before
-      logical :: sorted
-      sorted = .true.
-      before = 0
-      h%n = 0
-      do i = h%first, last
-         class = view%body_class(i) - view%first_class + 1
-         if (class >= 1 .and. class <= classes) then
-            h%n = h%n + 1
-            h%at(h%n) = i
-            h%class(h%n) = class
-            sorted = sorted .and. class >= before
-            before = class
-         else if (view%body_class(i) < 0) then ! skipped
-            if (associated(view%status)) view%status(i) = poinsot_ok
-         else
-            refused = .true.
-            if (associated(view%status)) view%status(i) = poinsot_e_domain
-         end if
-      end do
-      if (sorted) return
-      if (maxval(h%class(:h%n)) - minval(h%class(:h%n)) < widest) then
-         call count_out(minval(h%class(:h%n)), maxval(h%class(:h%n)), h)
+      integer :: least, most
+      call copy_classes(view%body_class(h%first:last), h)
+      call find_range(h, least, most)
+      if (least < view%first_class .or. most > view%first_class + classes - 1) then
+         call leave_out(view, classes, h, refused)
+         call find_range(h, least, most)
+      end if
+      if (view%first_class /= 1) h%class(:h%n) = h%class(:h%n) + (1 - view%first_class)
+      if (are_sorted(h)) return
+      if (most - least < widest) then
+         call count_out(least + (1 - view%first_class), most + (1 - view%first_class), h)
       else
          call merge_sort(h)
       end if
       call read_ahead(view, last, h)
    end subroutine sort_by_class
 
+   !> All of them in the order of their places, with the caller's numbers of classes.
+   pure subroutine copy_classes(class_of, h)
+      integer(c_int), intent(in) :: class_of(:)
+      type(class_sorted_chunk), intent(inout) :: h
+      integer :: i
+      do i = 1, h%n
+         h%class(i) = class_of(i)
+         h%at(i) = h%first + i - 1
+      end do
+   end subroutine copy_classes
+
+   pure subroutine find_range(h, least, most)
+      type(class_sorted_chunk), intent(in) :: h
+      integer, intent(out) :: least, most
+      integer :: i
+      least = huge(least)
+      most = -huge(most)
+      do i = 1, h%n
+         least = min(least, h%class(i))
+         most = max(most, h%class(i))
+      end do
+   end subroutine find_range
+
+   pure logical function are_sorted(h)
+      type(class_sorted_chunk), intent(in) :: h
+      integer :: i, falls
+      falls = 0
+      do i = 2, h%n
+         falls = ior(falls, h%class(i) - h%class(i - 1)) ! both are numbers of classes
+      end do
+      are_sorted = falls >= 0
+   end function are_sorted
+
+   !> Without those whose class is not there, and those that are skipped.
+   subroutine leave_out(view, classes, h, refused)
+      type(body_view), intent(in) :: view
+      integer, intent(in) :: classes
+      type(class_sorted_chunk), intent(inout) :: h
+      logical, intent(inout) :: refused
+      integer :: i, class, taken
+      taken = 0
+      do i = 1, h%n
+         class = h%class(i)
+         if (class >= view%first_class .and. class <= view%first_class + classes - 1) then
+            taken = taken + 1
+            h%at(taken) = h%at(i)
+            h%class(taken) = class
+         else
+            refused = refused .or. class >= 0
+            if (associated(view%status)) view%status(h%at(i)) = &
+               merge(poinsot_ok, poinsot_e_domain, class < 0)
+         end if
+      end do
+      h%n = taken
+   end subroutine leave_out
+
    !> Sort by counting: how many of each class, where each class begins, and everyone to its place.
    pure subroutine count_out(least, most, h)
       integer, intent(in) :: least, most      !! class numbers
       type(class_sorted_chunk), intent(inout) :: h
-      integer :: at(h%n), number(h%n), next(least:most), i, place, n
-      at = h%at(:h%n)
-      number = h%class(:h%n)
+      integer :: at(long), number(long), next(least:most), i, place, n
+      at(:h%n) = h%at(:h%n)
+      number(:h%n) = h%class(:h%n)
       next = 0
       do i = 1, h%n
          next(number(i)) = next(number(i)) + 1
@@ -136,13 +181,13 @@ contains
       do i = least, most
          n = next(i)
          next(i) = place
+         h%class(place:place + n - 1) = i
          place = place + n
       end do
       do i = 1, h%n
          place = next(number(i))
          next(number(i)) = place + 1
          h%at(place) = at(i)
-         h%class(place) = number(i)
       end do
    end subroutine count_out
 
@@ -230,10 +275,15 @@ contains
          end do
       else
          number = h%class(first)
-         do while (n < lanes .and. first + n <= h%n)
-            if (h%class(first + n) /= number) exit
-            n = n + 1
-            at(n) = h%at(first + n - 1)
+         n = min(lanes, h%n - h%done)
+         if (h%class(first + n - 1) /= number) then ! classes ascend
+            n = 0
+            do while (h%class(first + n) == number)
+               n = n + 1
+            end do
+         end if
+         do l = 1, n
+            at(l) = h%at(first + l - 1)
          end do
       end if
       h%done = h%done + n

@@ -58,7 +58,7 @@ contains
       type(arrays), intent(in) :: a
       integer, intent(in) :: n, at(n)
       real(dp), intent(inout) :: into(lanes, *)
-      integer :: j, l
+      integer :: j
       if (.not. associated(a%rows)) then
          do j = 1, a%columns
             call column_in(a%any(j)%of, a%scattered, at, n, into(1, j))
@@ -69,12 +69,10 @@ contains
          else
             call rows_in_4(groups, a%rows(:, at(1):at(n)), into)
          end if
+      else if (a%columns == 3) then
+         call pick_3(at, n, a%rows, into)
       else
-         do j = 1, a%columns
-            do l = 1, n
-               into(l, j) = a%rows(j, at(l))
-            end do
-         end do
+         call pick_4(at, n, a%rows, into)
       end if
    end subroutine copy_in
 
@@ -83,7 +81,7 @@ contains
       type(arrays), intent(inout) :: a
       integer, intent(in) :: n, at(n)
       real(dp), intent(in) :: from(lanes, *)
-      integer :: j, l
+      integer :: j
       if (.not. associated(a%rows)) then
          do j = 1, a%columns
             call column_out(a%any(j)%of, a%scattered, at, n, from(1, j))
@@ -94,12 +92,10 @@ contains
          else
             call rows_out_4(groups, from, a%rows(:, at(1):at(n)))
          end if
+      else if (a%columns == 3) then
+         call place_3(at, n, from, a%rows)
       else
-         do l = 1, n
-            do j = 1, a%columns
-               a%rows(j, at(l)) = from(l, j)
-            end do
-         end do
+         call place_4(at, n, from, a%rows)
       end if
    end subroutine copy_out
 
@@ -110,6 +106,77 @@ contains
       in_a_row = n == lanes .and. .not. scattered
       if (in_a_row) in_a_row = at(n) - at(1) == lanes - 1
    end function in_a_row
+
+   ! Rows here and there: to and from rows in a row, each as a whole.
+
+   pure subroutine pick_3(at, n, rows, into)
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(in) :: rows(3, *)
+      real(dp), intent(inout) :: into(lanes, *)
+      real(dp) :: picked(3, lanes)
+      integer :: l
+      do l = 1, n
+         picked(1, l) = rows(1, at(l))
+         picked(2, l) = rows(2, at(l))
+         picked(3, l) = rows(3, at(l))
+      end do
+      call rows_in_3(n/group, picked, into)
+      do l = group*(n/group) + 1, n
+         into(l, 1) = picked(1, l)
+         into(l, 2) = picked(2, l)
+         into(l, 3) = picked(3, l)
+      end do
+   end subroutine pick_3
+
+   pure subroutine pick_4(at, n, rows, into)
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(in) :: rows(4, *)
+      real(dp), intent(inout) :: into(lanes, *)
+      real(dp) :: picked(4, lanes)
+      integer :: l
+      do l = 1, n
+         picked(1, l) = rows(1, at(l))
+         picked(2, l) = rows(2, at(l))
+         picked(3, l) = rows(3, at(l))
+         picked(4, l) = rows(4, at(l))
+      end do
+      call rows_in_4(n/group, picked, into)
+      do l = group*(n/group) + 1, n
+         into(l, 1) = picked(1, l)
+         into(l, 2) = picked(2, l)
+         into(l, 3) = picked(3, l)
+         into(l, 4) = picked(4, l)
+      end do
+   end subroutine pick_4
+
+   pure subroutine place_3(at, n, from, rows)
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(in) :: from(lanes, *)
+      real(dp), intent(inout) :: rows(3, *)
+      real(dp) :: picked(3, lanes)
+      integer :: l
+      call rows_out_3((n + group - 1)/group, from, picked)
+      do l = 1, n
+         rows(1, at(l)) = picked(1, l)
+         rows(2, at(l)) = picked(2, l)
+         rows(3, at(l)) = picked(3, l)
+      end do
+   end subroutine place_3
+
+   pure subroutine place_4(at, n, from, rows)
+      integer, intent(in) :: n, at(n)
+      real(dp), intent(in) :: from(lanes, *)
+      real(dp), intent(inout) :: rows(4, *)
+      real(dp) :: picked(4, lanes)
+      integer :: l
+      call rows_out_4((n + group - 1)/group, from, picked)
+      do l = 1, n
+         rows(1, at(l)) = picked(1, l)
+         rows(2, at(l)) = picked(2, l)
+         rows(3, at(l)) = picked(3, l)
+         rows(4, at(l)) = picked(4, l)
+      end do
+   end subroutine place_4
 
    ! Rows of whole groups of lanes; of a full block without counting.
 
