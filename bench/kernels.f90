@@ -120,8 +120,9 @@ contains
             y = transpose(y0)
             q = transpose(q0)
             call system_clock(start)
-            do i = 1, steps
-               if (anew) call make_lane_constants(m, groups, c, status)
+            if (.not. anew) call advance_each(c, .false., h, steps, y, q, status, groups)
+            do i = 1, merge(steps, 0, anew)
+               call make_lane_constants(m, groups, c, status)
                if (turns) call advance_each(c, .false., h, 1, y, q, status, groups)
             end do
             best = min(best, since(start)/(steps*lanes))

@@ -13,15 +13,16 @@ module poinsot_ensemble_block
       poinsot_e_not_unit, poinsot_e_axis_momentum
    use poinsot_body_class, only: body_class, rotor_at
    use poinsot_ensemble_bodies, only: body_view
-   use poinsot_free_lane_moments, only: lane_moments, common_limit, complete_moments, take_moments, &
-      take_scale
+   use poinsot_free_lane_moments, only: lane_moments, common_limit, complete_moments, &
+      take_moments, take_scale
    use poinsot_free_limits, only: reject_speed, reject_speed_each
    use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, to_native, from_native
    use poinsot_ensemble_transfer, only: arrays, find_layout, copy_in, copy_out
    use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
    private
-   public :: clock, host_arrays, open_host, reject, reject_own, load_block, store_block, store_status, &
+   public :: clock, host_arrays, open_host, reject, reject_own, load_block, store_block, &
+      store_status, &
       add_momentum, reject_values, reject_torques, add_products, reject_energies
 
    !> A time, and whence rotors that jump there are seen (rotor_at).
@@ -277,7 +278,7 @@ contains
       end do
    end subroutine reject
 
-   !> The same of momenta y of bodies with moments of their own; and lanes that have failed by these.
+   !> The same of momenta y of bodies with moments of their own; and lanes that these have failed.
    pure subroutine reject_own(class, nvec, own, y, q, status)
       type(body_class), intent(in) :: class         !! of these bodies
       integer, intent(in) :: nvec
@@ -300,8 +301,8 @@ contains
       end do
    end subroutine reject_own
 
-   !> Is no lane of this kind? Bits are compared: a comparison with a NaN would raise an exception in
-   !> hosts that trap. A component of q above 2 counts as 2, so that its square is a number.
+   !> Is no lane of this kind? Bits are compared: a comparison with a NaN would raise an exception
+   !> in hosts that trap. A component of q above 2 counts as 2, so that its square is a number.
    pure logical function are_good(nvec, columns, limit, p, q)
       integer, intent(in) :: nvec, columns
       real(dp), intent(in) :: limit(4), p(lanes, columns), q(lanes, 4)

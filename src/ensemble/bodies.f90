@@ -104,8 +104,9 @@ contains
       rest = view
       rest%n = view%n - first + 1
       do j = 1, 4
-         if (associated(view%y(j)%of) .and. .not. associated(view%y_at)) &
+         if (associated(view%y(j)%of) .and. .not. associated(view%y_at)) then
             rest%y(j)%of => view%y(j)%of(first:)
+         end if
          if (.not. associated(view%q_at)) rest%q(j)%of => view%q(j)%of(first:)
       end do
       do j = 1, 3

@@ -1,7 +1,7 @@
 !> The short way for what hosts do most: free rotation and kicks of bodies of one class, where a
-!> call brings nothing but y, q, statuses, and scales or moments. The kernels, the turning of momenta
-!> and the checks are those of all ways, and so are the bits; what is left out are views, sorting,
-!> and the tables of effects.
+!> call brings nothing but y, q, statuses, and scales or moments. The kernels, the turning of
+!> momenta and the checks are those of all ways, and so are the bits; what is left out are views,
+!> sorting, and the tables of effects.
 module poinsot_ensemble_direct
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_rounding, only: rounds_to_nearest
@@ -146,7 +146,7 @@ contains
       integer, intent(out) :: refused            !! status of the moments, or without_inertia
       type(lane_moments) :: own
       real(dp) :: y(lanes, 3), q(lanes, 4), hl(lanes), limit(3)
-      integer :: status(lanes), first, m, nvec, k, most
+      integer :: status(lanes), first, m, nvec, most
       refused = poinsot_ok
       call refuse_all(a, failed)
       if (failed) return

@@ -8,7 +8,7 @@ module poinsot_ensemble_direct_own
    use poinsot_ensemble_block, only: reject, reject_own, reject_torques, add_products
    use poinsot_ensemble_layout, only: body_momentum, body_velocity, space_velocity, from_native, &
       to_native
-   use poinsot_ensemble_plain, only: plain_arrays, plain_torques, load, load_moments, &
+   use poinsot_ensemble_plain, only: ask_for, plain_arrays, plain_torques, load, load_moments, &
       load_torques, store
    use poinsot_free_lane_moments, only: lane_moments, advance_own, common_limit, &
       complete_moments, take_moments, take_scale
@@ -45,6 +45,7 @@ contains
       do first = 1, a%n, lanes
          m = min(lanes, a%n - first + 1)
          nvec = (m + group - 1)/group
+         if (a%has_moments) call ask_for(a, first)
          call take_own(class, momentum, a, first, m, nvec, own, status)
          if (own%linear) then
             left = first
@@ -88,6 +89,7 @@ contains
       do first = 1, a%n, lanes
          m = min(lanes, a%n - first + 1)
          nvec = (m + group - 1)/group
+         if (a%has_moments) call ask_for(a, first)
          call take_own(class, momentum, a, first, m, nvec, own, status)
          if (own%linear) then
             left = first

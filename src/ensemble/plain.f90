@@ -1,8 +1,9 @@
 !> The caller's y and q where little else comes with the bodies: component by component with any
 !> stride, into blocks and back. Full blocks of rows and of component arrays go by vectors.
 module poinsot_ensemble_plain
-   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int, c_intptr_t, c_loc, &
-      c_null_ptr, c_ptr, c_ptrdiff_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_intptr_t, &
+      c_loc, &
+      c_long_long, c_null_ptr, c_ptr, c_ptrdiff_t
    use poinsot_core_kinds, only: dp, group, groups, lanes
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok
@@ -10,15 +11,17 @@ module poinsot_ensemble_plain
    use poinsot_ensemble_transfer, only: rows_in_3, rows_in_4, rows_out_3, rows_out_4
    implicit none(type, external)
    private
-   public :: plain_arrays, plain_torques, open_plain, open_plain_view, open_moments, open_torques, &
+   public :: ask_for, plain_arrays, plain_torques, open_plain, open_plain_view, open_moments, &
+      open_torques, &
       open_plain_torques, load, load_moments, load_torques, store
 
    integer, parameter :: bytes = storage_size(1.0_dp)/8
+   integer, parameter :: in_cache = 8192        !! so many bodies are near the processor anyway
 
    !> The numbers of a block. A pointer to it is an address and nothing more; a pointer to an array
    !> is 64 bytes, for which few bodies would have to wait.
    type, bind(c) :: numbers
-      real(dp) :: x(4*lanes)
+      real(c_double) :: x(4*lanes)
    end type numbers
 
    !> Three or four components of all bodies, with one stride.
@@ -44,6 +47,16 @@ module poinsot_ensemble_plain
       integer :: n                              !! bodies
       type(components) :: of
    end type plain_torques
+
+   interface
+      !> See prefetch.c.
+      subroutine poinsot_prefetch(from, bytes) bind(c)
+         import :: c_long_long, c_ptr
+         implicit none(type, external)
+         type(c_ptr), value :: from
+         integer(c_long_long), value :: bytes
+      end subroutine poinsot_prefetch
+   end interface
 
 contains
 
@@ -202,6 +215,28 @@ contains
       type(c_ptr), intent(in) :: x
       address = transfer(x, 0_c_intptr_t)
    end function address
+
+   !> Have the block after the one at `first` on its way from memory. That pays where much is done
+   !> for each body; a block of one class is done before it would have come.
+   subroutine ask_for(a, first)
+      type(plain_arrays), intent(in) :: a
+      integer, intent(in) :: first
+      if (a%n <= in_cache .or. first + 2*lanes - 1 > a%n) return
+      call ask_for_components(a%y, a%columns, first + lanes)
+      call ask_for_components(a%q, 4, first + lanes)
+      if (a%has_moments) call ask_for_components(a%moments, 3, first + lanes)
+   end subroutine ask_for
+
+   !> Numbers of one block, where it is full.
+   subroutine ask_for_components(x, columns, first)
+      type(components), intent(in) :: x
+      integer, intent(in) :: columns, first
+      integer :: j
+      do j = 1, merge(columns, 1, x%stride == 1) ! else they lie side by side
+         call poinsot_prefetch(number_at(x%x(j), (first - 1)*x%stride), &
+                               int(bytes*lanes*x%stride, c_long_long))
+      end do
+   end subroutine ask_for_components
 
    !> Bodies from `first` on into the first m lanes; the rest of the last group is at rest.
    subroutine load(a, first, m, nvec, y, q)

@@ -3,10 +3,13 @@ module poinsot_ensemble_rotate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise
-   use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
+   use poinsot_core_status, only: poinsot_ok, poinsot_e_domain, poinsot_e_partial, poinsot_e_size
    use poinsot_body_class, only: body_class, extend_class, needs_more
    use poinsot_ensemble_bodies, only: body_view
+   use poinsot_ensemble_direct, only: one_chunk, rotate_direct
    use poinsot_ensemble_drive, only: block_job, for_each_block
+   use poinsot_ensemble_layout, only: body_momentum
+   use poinsot_ensemble_plain, only: open_plain_view, plain_arrays
    use poinsot_free_method, only: free_method, advance
    use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
@@ -37,10 +40,13 @@ contains
       type(poinsot_error), intent(inout) :: error   !! a step that is not finite
       type(rotate_job) :: job
       type(body_class), target :: longer
+      logical :: done
 
       call check_step(h, steps, error)
       status = error%code
       if (status /= 0) return
+      call rotate_plain(class, method, h, steps, view, threads, status, done)
+      if (done) return
       job%class => class
       if (needs_more(class, method%terms)) then
          longer = class
@@ -53,6 +59,27 @@ contains
       job%ns = method%ns*steps
       status = for_each_block(view, threads_for(threads, view%n*job%ns), job)
    end subroutine rotate_bodies
+
+   !> The same by the short way: few bodies, or one thread, and a view with nothing else in it.
+   subroutine rotate_plain(class, method, h, steps, view, threads, status, done)
+      type(body_class), intent(in) :: class
+      type(free_method), intent(in) :: method
+      real(dp), intent(in) :: h
+      integer, intent(in) :: steps, threads
+      type(body_view), intent(in) :: view
+      integer, intent(inout) :: status
+      logical, intent(out) :: done                  !! else it is for others
+      type(plain_arrays) :: a
+      logical :: failed
+      integer :: none_left
+      done = class%sorted(1) > 0 .and. (threads == 1 .or. view%n <= one_chunk) .and. &
+         .not. (associated(view%scale) .or. associated(view%moments(1)%of) .or. &
+                needs_more(class, method%terms))
+      if (done) call open_plain_view(view, 3, a, done)
+      if (.not. done) return
+      call rotate_direct(class, method, body_momentum, h, steps, .false., a, failed, none_left)
+      status = merge(poinsot_e_partial, poinsot_ok, failed)
+   end subroutine rotate_plain
 
    !> Threads that nobody gave a number of: one where the work is short, since on a busy machine a
    !> team waits for its last thread as long as the scheduler likes.

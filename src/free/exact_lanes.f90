@@ -34,8 +34,8 @@ module poinsot_free_exact_lanes
 contains
 
    !> Constants of a block of bodies. POINSOT_E_DOMAIN where no body has such moments (the rule of
-   !> `accept_moments`: few digits are taken), POINSOT_E_NOT_FINITE where they are no numbers; such a
-   !> lane has the constants of a sphere.
+   !> `accept_moments`: few digits are taken), POINSOT_E_NOT_FINITE where they are no numbers; such
+   !> a lane has the constants of a sphere.
    pure subroutine make_lane_constants(moments, nvec, c, status)
       real(dp), intent(inout) :: moments(lanes, 3)  !! principal moments, any order, any unit; on
                                                     !! exit as they are taken

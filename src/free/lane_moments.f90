@@ -126,8 +126,8 @@ contains
       highest_scale = shiftl(int(max(e, -range) + 1023, i8), 52)
    end function highest_scale
 
-   !> Moments for each body, which stand in `own%moments`: principal ones, any order, any unit. Those
-   !> that no body has: POINSOT_E_DOMAIN; not finite: POINSOT_E_NOT_FINITE.
+   !> Moments for each body, which stand in `own%moments`: principal ones, any order, any unit.
+   !> Those that no body has: POINSOT_E_DOMAIN; not finite: POINSOT_E_NOT_FINITE.
    pure subroutine take_moments(nvec, own, status)
       integer, intent(in) :: nvec                 !! groups of lanes that hold bodies
       type(lane_moments), intent(inout) :: own
