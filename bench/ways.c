@@ -25,6 +25,7 @@ static const way ways[] = {{"rows", "native", 0, rows},           {"columns", "n
                            {"compensated", "native", 0, compensated}};
 
 static double y[4 * many], q[4 * many], torque[3 * many], scale[many], moments[3 * many], carry[7 * many];
+static double kinetic[many], space[3 * many];
 static int class_of[many], at[many];
 static const double body[3] = {0.376, 0.627, 1};
 static double slot;
@@ -92,7 +93,7 @@ static void fill(const way *w, int n, poinsot_bodies *view) {
   if (w->kind == compensated) view->carry = carry;
 }
 
-/* ns a body: 0 a drift, 1 a kick, 2 a step of many. */
+/* ns a body: 0 a drift, 1 a kick, 2 a step of many, 3 the energies, 4 the momenta in space. */
 static double measure(const way *w, int n, int what, int runs) {
   const double *const g[3] = {torque, torque + 1, torque + 2};
   poinsot_plan *plan = plan_of(w);
@@ -105,7 +106,9 @@ static double measure(const way *w, int n, int what, int runs) {
     for (k = 0; k < calls; k++)
       failed |= what == 0 ? poinsot_drift(plan, &view, 0.03)
                 : what == 1 ? poinsot_kick(plan, &view, 0.01, g, 3)
-                            : poinsot_step(plan, &view, 0, 0.03, 0, together, NULL, NULL);
+                : what == 2 ? poinsot_step(plan, &view, 0, 0.03, 0, together, NULL, NULL)
+                : what == 3 ? poinsot_energy(plan, &view, 0, kinetic, NULL)
+                            : poinsot_momentum(plan, &view, space);
     t = (now() - start) / calls / n / (what == 2 ? together : 1) * 1e9;
     if (t < best) best = t;
   }
@@ -128,6 +131,15 @@ int main(int argc, char **argv) {
     int k;
     t[0] = measure(&ways[i], many, 0, runs), t[1] = measure(&ways[i], cached, 0, runs);
     t[2] = measure(&ways[i], many, 1, runs), t[3] = measure(&ways[i], cached, 2, runs);
+    printf("%22s  ", ways[i].name);
+    for (k = 0; k < 4; k++) printf("      %6.2f (%3.0f)", t[k], t[k] * 8 / slot);
+    printf("\n");
+  }
+  printf("\n                        energies: %d bodies    %d bodies    momenta in space, %d    %d\n", many, cached, many, cached);
+  for (i = 0; i < sizeof ways / sizeof *ways; i++) {
+    double t[4];
+    int k;
+    for (k = 0; k < 4; k++) t[k] = measure(&ways[i], k % 2 ? cached : many, 3 + k / 2, runs);
     printf("%22s  ", ways[i].name);
     for (k = 0; k < 4; k++) printf("      %6.2f (%3.0f)", t[k], t[k] * 8 / slot);
     printf("\n");
