@@ -4,6 +4,7 @@ module app_choose
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_files, only: make_folder, is_folder
    use poinsot_scene_settings, only: scene_settings
+   use poinsot_scene_text, only: for_shell
    use poinsot_study_choice, only: choose_request, choice, tolerance_kept
    use poinsot_study_choose, only: choose_method
    use poinsot_study_choose_text, only: choice_lines, verdict, write_chosen_scene
@@ -96,7 +97,7 @@ contains
          code = exit_of_run(error%code)
          call print_error(error%message)
       else if (.not. options%quiet) then
-         call say("written to  " // out // "; poinsot run " // out // " runs it")
+         call say("written to  " // out // "; poinsot run " // for_shell(out) // " runs it")
       end if
    end subroutine search
 

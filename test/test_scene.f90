@@ -15,7 +15,7 @@ module test_scene
    use poinsot_effect_settings, only: setting
    use poinsot_effect_settings_text, only: read_settings
    use poinsot_rotation_quaternion, only: attitude_distance
-   use poinsot_scene_text, only: text_of
+   use poinsot_scene_text, only: for_shell, text_of
    use poinsot_scene_source, only: scene_source, find_group, value_null, value_number, &
       value_logical
    use poinsot_scene_reader, only: read_source, scan_source
@@ -69,6 +69,7 @@ contains
       call collect_scene_endings(endings)
       testsuite = [ &
          new_unittest("numbers-as-text", test_numbers), &
+         new_unittest("shell-words", test_shell_words), &
          new_unittest("reader-values", test_values), &
          new_unittest("reader-line-ends", test_line_ends), &
          new_unittest("reader-refusals", test_reader_refusals), &
@@ -144,6 +145,15 @@ contains
       if (.not. allocated(error)) call expect(error, text_of(huge(1.0_dp)), &
          "1.7976931348623157e308")
    end subroutine test_numbers
+
+   !> Words of commands that are printed to be pasted.
+   subroutine test_shell_words(error)
+      type(error_type), allocatable, intent(out) :: error
+      call expect(error, for_shell("out/heavy-top.nml"), "out/heavy-top.nml")
+      call expect(error, for_shell("a b"), "'a b'")
+      call expect(error, for_shell("$(it's)"), "'$(it'\''s)'")
+      call expect(error, for_shell(""), "''")
+   end subroutine test_shell_words
 
    subroutine test_values(error)
       type(error_type), allocatable, intent(out) :: error

@@ -206,7 +206,7 @@ contains
       call states_refused("q0 q1 q2 q3 y1 y2 y3" // nl // "1 0 0 0 0 0", "bad.csv:2: has 6 columns")
       call states_refused("q0 q1 q2 q3 y1 y2 y3" // nl // "1 0 0 0 0 0 x", """x"", in column y3")
       call states_refused("q0 q1 q2 q3 y1 y2 y3" // nl // nl // "1 0 0 1 0 0 0", &
-         "bad.csv:3: q is no")
+         "bad.csv:3: q is not a unit quaternion, its length is off 1 by 4.14E-01")
 
    contains
 

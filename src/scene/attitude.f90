@@ -11,7 +11,7 @@ module poinsot_scene_attitude
       reject_key, relabel
    implicit none(type, external)
    private
-   public :: build_attitude, make_unit
+   public :: build_attitude, make_unit, amount
 
    real(dp), parameter :: largest_slack = 1e-3_dp !! of |q|: what three or four digits lose
    real(dp), parameter :: degree = acos(-1.0_dp)/180

@@ -11,7 +11,7 @@ module poinsot_scene_bodies
    use poinsot_scene_typed_group, only: typed_group, given, number_of, numbers_of, word_of, &
       integer_of, reject_key
    use poinsot_rotation_quaternion, only: quaternion_product, rotate_back, unit_tolerance
-   use poinsot_scene_attitude, only: build_attitude, make_unit
+   use poinsot_scene_attitude, only: build_attitude, make_unit, amount
    use poinsot_scene_inertia, only: find_moments
    use poinsot_scene_states_file, only: read_states
    use poinsot_scene_table, only: file_beside
@@ -242,7 +242,8 @@ contains
             if (good) call make_unit(q, off, good)
             if (.not. good) then
                call reject_key(group, "file", "refused: " // bodies%file // ":" // &
-                  text_of(lines(i)) // ": q is no unit quaternion, to 1e-3", error)
+                  text_of(lines(i)) // ": q is not a unit quaternion, its length is off 1 by " // &
+                  amount(off) // "; up to 1e-3 is divided out", error)
                return
             end if
             if (off > unit_tolerance) mended = mended + 1

@@ -5,7 +5,7 @@ module poinsot_scene_text
    use poinsot_core_number, only: lower
    implicit none(type, external)
    private
-   public :: lower, text_of, printable, joined, quoted, escaped, reason_of, next_word
+   public :: lower, text_of, printable, joined, quoted, escaped, for_shell, reason_of, next_word
 
    !> A number as text: integers plainly, reals with the fewest digits that keep their bits.
    interface text_of
@@ -157,5 +157,18 @@ contains
       end do
       safe = safe // "'"
    end function escaped
+
+   !> A text as a word that may be pasted into a shell: between quotes only where it needs them.
+   pure function for_shell(text) result(word)
+      character(*), intent(in) :: text
+      character(:), allocatable :: word
+      character(*), parameter :: harmless = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz" &
+         // "0123456789_-./+,:=@%"
+      if (len(text) > 0 .and. verify(text, harmless) == 0) then
+         word = text
+      else
+         word = escaped(text)
+      end if
+   end function for_shell
 
 end module poinsot_scene_text
