@@ -21,13 +21,13 @@ mkdir -p "$prefix" "$work/build"
 
 # expect NAME COMMAND...: the command succeeds.
 expect() {
-   name=$1
+   what=$1
    shift
    if "$@" >"$work/log" 2>&1; then
-      echo "       ... $name [PASSED]"
+      echo "       ... $what [PASSED]"
       passed=$((passed + 1))
    else
-      echo "       ... $name [FAILED]"
+      echo "       ... $what [FAILED]"
       sed 's/^/  /' "$work/log" | tail -n 20
       failed=$((failed + 1))
    fi

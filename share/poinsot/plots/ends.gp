@@ -13,8 +13,8 @@ do for [k=1:ends] {
    name_x[k] = row_of(end_x[k]) + (exists('end_shape') ? 2.2 : 1.2)*letter
    overhang = larger(overhang, (name_x[k] - 1)/letter + strlen(end_text[k]))
 }
-across(i, j) = name_x[i] < name_x[j] + letter*(strlen(end_text[j]) + 1) && name_x[j] < name_x[i] + letter*(strlen(end_text[i]) + 1)
-meet(i, j) = abs(place[i] - place[j]) < gap && across(i, j)
+beside(i, j) = name_x[i] < name_x[j] + letter*(strlen(end_text[j]) + 1) && name_x[j] < name_x[i] + letter*(strlen(end_text[i]) + 1)
+meet(i, j) = abs(place[i] - place[j]) < gap && beside(i, j)
 
 # From the top down: each name goes to the free place that is nearest to its end, below the names of higher ends if there is room.
 array done[ends]
@@ -26,7 +26,7 @@ do for [n=1:ends] {
       place[next] = end_y[next] + (try%2 ? -0.05 : 0.05)*gap*(try%401)
       free = place[next] > 0 && place[next] < 1.02
       do for [k=1:ends] {
-         if (done[k] && (meet(next, k) || (try <= 400 && across(next, k) && place[next] > place[k]))) { free = 0 }
+         if (done[k] && (meet(next, k) || (try <= 400 && beside(next, k) && place[next] > place[k]))) { free = 0 }
       }
       if (free) { break }
    }
