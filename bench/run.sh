@@ -1,7 +1,7 @@
 #!/bin/sh
 # Measure: what a step of every method costs and how wrong it is, beside what other codes do, on this machine.
 #
-# usage: bench/run.sh [--quick | --doc]     --quick: 20 seconds instead of two minutes
+# usage: bench/run.sh [--quick | --doc]     --quick: 20 seconds instead of four minutes
 #                                           --doc: put the report into docs/performance.md
 # environment: FC the compiler (gfortran), CC (cc), PORTABLE and EXTRA_FLAGS as in tools/flags.sh
 #
@@ -110,6 +110,7 @@ threads() {
    ways
    threads
    [ -n "$quick" ] || instructions
+   [ -n "$quick" ] || { echo; bench/levels.sh; }
    echo
    echo "written: $out/report.txt, times.csv, errors.csv$([ -n "$quick" ] || echo ', instructions.csv, functions.csv')"
 } 2>&1 | tee $out/report.txt
