@@ -174,7 +174,8 @@ contains
       call put([character(100) :: &
          "poinsot run SCENE [OPTIONS]", &
          "", &
-         "SCENE is a scene file, or the name of a shipped scene (poinsot scenes lists them).", &
+         "SCENE is a scene file, the name of a shipped scene (poinsot scenes lists them), or -", &
+         "for the standard input.", &
          "", &
          "   --out DIR              folder for the output (default poinsot-out/SCENE), made", &
          "                          if missing; files of an earlier run in it are replaced", &
@@ -187,10 +188,12 @@ contains
          "   --no-view              no view.html", &
          "   --quiet                print errors only", &
          "", &
-         "Output, all of it text:", &
+         "Output (&output says which: poinsot keys):", &
          "   summary.txt       what ran, its speed, what changed that should not, the error", &
          "   trajectory.csv    t,body,q0..q3,y1..y3,kinetic,potential,energy", &
          "   trajectory.xyz    extended XYZ, for OVITO (&output format = 'extxyz')", &
+         "   trajectory.npy    the columns of trajectory.csv for NumPy (format = 'npy', 'csv+npy')", &
+         "   observables.csv   means over all bodies (observables = .true.)", &
          "   restart.txt       the state to the bit: continue with --set scene.from=FILE", &
          "   plot_*.gp         gnuplot scripts; their pictures too where gnuplot is found", &
          "   view.html         the motion, to watch in any browser; it needs no network", &
