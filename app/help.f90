@@ -192,7 +192,7 @@ contains
          "   summary.txt       what ran, its speed, what changed that should not, the error", &
          "   trajectory.csv    t,body,q0..q3,y1..y3,kinetic,potential,energy", &
          "   trajectory.xyz    extended XYZ, for OVITO (&output format = 'extxyz')", &
-         "   trajectory.npy    the columns of trajectory.csv for NumPy (format = 'npy', 'csv+npy')", &
+         "   trajectory.npy    the columns of trajectory.csv for NumPy (format = 'npy')", &
          "   observables.csv   means over all bodies (observables = .true.)", &
          "   restart.txt       the state to the bit: continue with --set scene.from=FILE", &
          "   plot_*.gp         gnuplot scripts; their pictures too where gnuplot is found", &
