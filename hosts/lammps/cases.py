@@ -183,14 +183,13 @@ def carbon_dioxide(options):
     return dict(energy=np.array(energy), temperature=lmp.get_thermo("temp"))
 
 
-def free(options):
-    """8000 ellipsoids of two shapes without forces: ns a body and step, the least of several runs."""
-    lmp = start(options)
+def place_ellipsoids(lmp, edge):
+    """Ellipsoids of two shapes at random attitudes on a cubic lattice, edge^3 of them."""
     lmp.commands_string(f"""
         units lj
         atom_style ellipsoid
         lattice sc 0.001
-        region box block 0 20 0 20 0 20
+        region box block 0 {edge} 0 {edge} 0 {edge}
         create_box 2 box
         create_atoms 1 box
         set type 1 type/fraction 2 0.5 4711
@@ -199,6 +198,14 @@ def free(options):
         set type 2 shape 2.0 1.2 1.4
         set group all quat/random 8161
         set group all angmom 0.4 -0.3 0.8
+        """)
+
+
+def free(options):
+    """8000 ellipsoids of two shapes without forces: ns a body and step, the least of several runs."""
+    lmp = start(options)
+    place_ellipsoids(lmp, 20)
+    lmp.commands_string(f"""
         pair_style none
         comm_modify cutoff 5
         timestep 0.05
@@ -234,20 +241,7 @@ def many(options):
         lmp.create_atoms(n, list(range(1, n + 1)), [1] * n, list(x.ravel()))
         lmp.scatter_atoms("molecule", 0, 1, (ctypes.c_int * n)(*(1 + i // 3 for i in range(n))))
     else:
-        lmp.commands_string("""
-            units lj
-            atom_style ellipsoid
-            lattice sc 0.001
-            region box block 0 44 0 44 0 44
-            create_box 2 box
-            create_atoms 1 box
-            set type 1 type/fraction 2 0.5 4711
-            set group all mass 5
-            set type 1 shape 1.0 1.5 2.2
-            set type 2 shape 2.0 1.2 1.4
-            set group all quat/random 8161
-            set group all angmom 0.4 -0.3 0.8
-            """)
+        place_ellipsoids(lmp, 44)
     lmp.commands_string(f"""
         pair_style none
         comm_modify cutoff 5
