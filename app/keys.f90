@@ -45,10 +45,23 @@ contains
       call say("|---|---|---|---|---|")
       do k = 1, size(info%keys)
          call say("| `" // trim(info%keys(k)%name) // "` | " // takes(info%keys(k)) // " | " // &
-                  trim(info%keys(k)%default) // " | " // trim(info%keys(k)%units) // " | " // &
+                  default_of(info, k) // " | " // trim(info%keys(k)%units) // " | " // &
                   trim(info%keys(k)%meaning) // " |")
       end do
    end subroutine put_table
+
+   !> Its default; of a required key also the keys that may be given in its place.
+   function default_of(info, k) result(text)
+      type(effect_info), intent(in) :: info
+      integer, intent(in) :: k                !! which of its keys
+      character(:), allocatable :: text
+      integer :: i
+      text = trim(info%keys(k)%default)
+      do i = 1, size(info%keys)
+         if (info%keys(i)%instead_of /= info%keys(k)%name) cycle
+         text = text // ", or `" // trim(info%keys(i)%name) // "`"
+      end do
+   end function default_of
 
    !> "3 numbers"
    function takes(key) result(text)
