@@ -114,10 +114,11 @@ contains
             "poinsot hard [NAME] [--out DIR]", &
             "", &
             "Sends hard bodies of 18 kinds (near the separatrix, nearly linear, flat, in SI", &
-            "units, ...) through every method, measures ten promises (other units, axes in any", &
-            "order, there and back, steps of any size, quaternions off unit norm, ...), and", &
-            "seven tops and fields in every splitting: the worst errors, refusals, and a verdict", &
-            "on each against its bound. A few seconds.", &
+            "units, ...) through every method, with plain and with compensated sums; measures 13", &
+            "promises (other units, axes in any order, there and back, steps of any size,", &
+            "quaternions off unit norm, ...), seven tops and fields in every splitting, and nine", &
+            "tops by taylor: the worst errors, refusals, and a verdict on each against its bound.", &
+            "A few seconds.", &
             "", &
             "   NAME        one case, method or splitting: every figure, bound and verdict of it", &
             "   --out DIR   all of it in DIR/hard.csv", &

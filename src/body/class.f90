@@ -9,6 +9,7 @@
 module poinsot_body_class
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_error, only: poinsot_error, raised
+   use poinsot_core_order, only: ascending_order
    use poinsot_core_time_table, only: time_table_list
    use poinsot_body_moments, only: accept_moments
    use poinsot_body_constants, only: lane_constants, make_constants
@@ -93,7 +94,7 @@ contains
          class%inverse = 1/accepted
          class%limit = fastest*min(accepted, 1e200_dp)
       end where
-      call sort(accepted, class%order, class%parity)
+      call ascending_order(accepted, class%order, class%parity)
       ! what has no inertia about two axes, or three, turns about the last alone: as a line does
       if (accepted(class%order(2)) <= 0) then
          if (accepted(class%order(3)) <= 0) accepted = 1
@@ -190,29 +191,6 @@ contains
       ratio = 0
       if (y > 0) ratio = x/y
    end function ratio
-
-   !> Ascending order of three moments, ties by index, and the sign of the permutation.
-   pure subroutine sort(x, order, parity)
-      real(dp), intent(in) :: x(3)
-      integer, intent(out) :: order(3)
-      real(dp), intent(out) :: parity
-      order = [1, 2, 3]
-      parity = 1
-      call exchange(x, 1, 2, order, parity)
-      call exchange(x, 2, 3, order, parity)
-      call exchange(x, 1, 2, order, parity)
-   end subroutine sort
-
-   !> Put places i < j of an order right.
-   pure subroutine exchange(x, i, j, order, parity)
-      real(dp), intent(in) :: x(3)
-      integer, intent(in) :: i, j
-      integer, intent(inout) :: order(3)
-      real(dp), intent(inout) :: parity
-      if (x(order(i)) <= x(order(j))) return
-      order([i, j]) = order([j, i])
-      parity = -parity
-   end subroutine exchange
 
    !> Largest (h |omega|)^2 = s for which the errors of each level's series stay below a quarter of
    !> a rounding error.

@@ -107,28 +107,30 @@ contains
    !> m/I, along G, the part of the new omega normal to the new y, so that |y| is not touched again.
    !> The second only for a method that conserves energy, and not where G is small: nothing can be
    !> gained there. Both go into the carry: in dy they would be rounded again. dE is taken about the
-   !> middle axis, dE - dC/I2: one term less that rounds.
+   !> middle axis, dE - dC/I2: one term less that rounds. 1/I1 - 1/I2 and 1/I3 - 1/I2 come from
+   !> differences of moments: of the reciprocals of moments nearly alike little would be left, and a
+   !> needle's small momentum about its axis would be moved by what is missing.
    pure subroutine conserve(class, energy, h, y, dy, carry, nvec)
       type(body_class), intent(in) :: class  !! of these bodies
       logical, intent(in) :: energy          !! does the method conserve energy?
       real(dp), intent(in) :: h(lanes), y(lanes, 3), dy(lanes, 3)
       real(dp), intent(inout) :: carry(lanes, 7)
       integer, intent(in), optional :: nvec
-      real(dp) :: inverse(lanes, 3)
-      integer :: j, l, n
+      real(dp) :: inverse(lanes, 3), gap(lanes, 2)
+      integer :: j, n
       n = working(nvec)
       do j = 1, 3
-         !GCC$ ivdep
-         do l = 1, n
-            inverse(l, j) = class%inverse(j)
-         end do
+         inverse(:n, j) = class%inverse(j)
       end do
-      call conserve_each(inverse, class%order, energy, h, y, dy, carry, n/group)
+      gap(:n, 1) = (class%sorted(2) - class%sorted(1))/class%sorted(2)
+      gap(:n, 2) = (class%sorted(3) - class%sorted(2))/class%sorted(3)
+      call conserve_each(inverse, gap, class%order, energy, h, y, dy, carry, n/group)
    end subroutine conserve
 
    !> The same for bodies that all differ.
-   pure subroutine conserve_each(inverse, order, energy, h, y, dy, carry, nvec)
+   pure subroutine conserve_each(inverse, gap, order, energy, h, y, dy, carry, nvec)
       real(dp), intent(in) :: inverse(lanes, 3) !! 1/moment, or minus that for all three
+      real(dp), intent(in) :: gap(lanes, 2)     !! (I2-I1)/I2 and (I3-I2)/I3
       integer, intent(in) :: order(3)           !! of the axes, by moment
       logical, intent(in) :: energy
       real(dp), intent(in) :: h(lanes), y(lanes, 3), dy(lanes, 3)
@@ -148,8 +150,8 @@ contains
          i1 = inverse(l, j1)
          i2 = inverse(l, j2)
          i3 = inverse(l, j3)
-         d13 = i1 - i3
-         d23 = i2 - i3
+         d13 = gap(l, 1)*i1
+         d23 = -gap(l, 2)*i3
          y1 = y(l, j1) + dy(l, j1)
          y2 = y(l, j2) + dy(l, j2)
          y3 = y(l, j3) + dy(l, j3)

@@ -341,7 +341,7 @@ contains
       type(step_rotation) :: rotation
       real(dp), dimension(lanes) :: sizes, parts, hs
       real(dp) :: dy(lanes, 3), dq(lanes, 4), ddy(lanes, 3), ddq(lanes, 4)
-      real(dp) :: yk(lanes, 3), qk(lanes, 4)
+      real(dp) :: yk(lanes, 3), qk(lanes, 4), gap(lanes, 2)
       logical :: beyond
       integer :: k, l, n
       n = group*nvec
@@ -372,7 +372,9 @@ contains
          end do
          call stop_failed(nvec, status, h)
       end if
-      call conserve_each(c%inverse, in_order, .true., h, y, dy, carry, nvec)
+      gap(:n, 1) = (c%moments(:n, 2) - c%moments(:n, 1))/c%moments(:n, 2)
+      gap(:n, 2) = c%f1(:n)
+      call conserve_each(c%inverse, gap, in_order, .true., h, y, dy, carry, nvec)
       call add_compensated(h, dy, dq, y, q, carry, nvec)
    end subroutine sorted_compensated
 

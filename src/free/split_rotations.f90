@@ -74,8 +74,8 @@ contains
       dy(:n, :) = 0
       dq(:n, :) = 0
       call symmetric_pair(class%inverse, a, b, c)
-      rest = 0.25_dp*(class%inverse(a) - class%inverse(b))
-      beta = 0.5_dp*(class%inverse(c) - class%inverse(b))
+      rest = 0.25_dp*gap_of_inverses(class, a, b)
+      beta = 0.5_dp*gap_of_inverses(class, c, b)
       half(:n) = rest*(y(:n, a) + dy(:n, a))*hl(:n)
       call refuse_wide_turns(nvec, half, status)
       call turn_about(nvec, a, half, y, q, dy, dq)
@@ -87,6 +87,15 @@ contains
       call refuse_wide_turns(nvec, half, status)
       call turn_about(nvec, a, half, y, q, dy, dq)
    end subroutine symmetric_rotation_increment
+
+   !> 1/Ia - 1/Ib to all digits: of the reciprocals of moments nearly alike little would be left.
+   pure real(dp) function gap_of_inverses(class, a, b) result(gap)
+      type(body_class), intent(in) :: class
+      integer, intent(in) :: a, b
+      gap = class%inverse(a)
+      if (class%moments(b) > 0) gap = gap*((class%moments(b) - class%moments(a))/class%moments(b))
+      if (.not. class%moments(a) > 0) gap = -class%inverse(b)
+   end function gap_of_inverses
 
    !> Cyclic axes (a, b, c) with the smallest |1/Ia - 1/Ib|; ties go to the pair with the smallest
    !> index of a first.

@@ -102,15 +102,16 @@ contains
       character(name_length), allocatable :: shown(:)
       character(7), allocatable :: heads(:)
       character(400) :: line
+      character(40), parameter :: titles(3) = [character(40) :: "The whole time in one step:", &
+         "In steps of at most 0.2 radians:", "In these steps with compensated sums:"]
       integer :: kind, w
       call shown_methods(shown, heads)
       call write_line(unit, "Hard bodies: worst error in units of conditioning (one unit: what "// &
          "moving inputs by")
       call write_line(unit, "1e-16 does), against a Taylor series in quadruple precision")
-      do w = 1, 2
+      do w = 1, size(titles)
          call write_line(unit, "")
-         if (w == 1) call write_line(unit, "The whole time in one step:")
-         if (w == 2) call write_line(unit, "In steps of at most 0.2 radians:")
+         call write_line(unit, titles(w))
          call write_line(unit, "")
          write (line, "(11x, *(1x, a7))") adjustr(heads)
          call write_line(unit, line)
@@ -319,6 +320,8 @@ contains
          line = line//" in pieces"
       case ("scale", "moments")
          line = line//" by "//trim(rows(worst)%approach)
+      case ("compensated")
+         line = line//" with compensated sums"
       case default ! in one step, or there is one way only
       end select
       if (refused > 0) then

@@ -1,6 +1,8 @@
 !> Bodies that break rotation codes, made here by rule: the same on every machine.
 module poinsot_study_hard_cases
-   use poinsot_core_kinds, only: dp, i8
+   use poinsot_core_kinds, only: dp, i4, i8
+   use poinsot_core_order, only: ascending_order
+   use poinsot_rotation_random, only: random_uniform
    implicit none(type, external)
    private
    public :: hard_case, kind_names, kind_about, cases_of_kind, make_case
@@ -12,6 +14,7 @@ module poinsot_study_hard_cases
    end type hard_case
 
    integer, parameter :: cases_of_kind = 8
+   integer(i4), parameter :: stream_cases = 0_i4
 
    !> A kind of body: its name, the seed of its cases (never another's), and what it is.
    type :: kind_of_body
@@ -43,8 +46,9 @@ module poinsot_study_hard_cases
    character(11), parameter :: kind_names(*) = kinds%name
    character(70), parameter :: kind_about(*) = kinds%about
 
+   !> Random numbers of one case, each from the last by counting.
    type :: stream
-      integer(i8) :: a = 1, b = 1
+      integer(i8) :: kind = 0, number = 0, drawn = 0
    end type stream
 
 contains
@@ -54,13 +58,10 @@ contains
       integer, intent(in) :: kind, number
       type(hard_case), intent(out) :: one
       type(stream) :: s
-      real(dp) :: d(3), top, rate, units, parity
+      real(dp) :: d(3), top, rate, units
       integer :: j, shift
-      s%a = 7919_i8*kinds(kind)%seed + 104729_i8*number
-      s%b = 15485863_i8*number + 32452843_i8*kinds(kind)%seed
-      do j = 1, 10
-         d(1) = uniform(s)
-      end do
+      s%kind = kinds(kind)%seed
+      s%number = number
       do j = 1, 3
          d(j) = 0.1_dp + uniform(s)
          one%y(j) = sign(0.1_dp + uniform(s), uniform(s) - 0.5_dp)
@@ -85,7 +86,6 @@ contains
       shift = mod(number, 3)
       one%moments = cshift(one%moments, shift)
       one%y = cshift(one%y, shift)
-      parity = 1
       if (mod(number/3, 2) == 1) then
          one%moments = one%moments([2, 1, 3])
          one%y = one%y([2, 1, 3])
@@ -163,7 +163,10 @@ contains
 
    pure subroutine sort(d)
       real(dp), intent(inout) :: d(3)
-      d = [minval(d), sum(d) - minval(d) - maxval(d), maxval(d)]
+      integer :: order(3)
+      real(dp) :: parity
+      call ascending_order(d, order, parity)
+      d = d(order)
    end subroutine sort
 
    !> 10**u, u uniform between the two.
@@ -173,12 +176,13 @@ contains
       power = 10.0_dp**(low + (high - low)*uniform(s))
    end function power
 
-   !> Uniform in (0, 1): two multiplicative generators (L'Ecuyer, Comm. ACM 31, 742, 1988).
+   !> The next number of a case, uniform in (0, 1).
    real(dp) function uniform(s)
       type(stream), intent(inout) :: s
-      s%a = mod(40014_i8*s%a, 2147483563_i8)
-      s%b = mod(40692_i8*s%b, 2147483399_i8)
-      uniform = (real(modulo(s%a - s%b, 2147483562_i8), dp) + 0.5_dp)/2147483562.0_dp
+      real(dp) :: pair(2)
+      s%drawn = s%drawn + 1
+      pair = random_uniform(s%kind, s%number, s%drawn, stream_cases)
+      uniform = pair(1)
    end function uniform
 
 end module poinsot_study_hard_cases

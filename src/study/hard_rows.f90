@@ -19,7 +19,7 @@ module poinsot_study_hard_rows
    type :: hard_row
       character(11) :: case = ""
       character(name_length) :: who = "" !! method, or splitting
-      character(7) :: approach = ""      !! whole, pieces, scale, moments; "": there is one only
+      character(11) :: approach = ""     !! of `approach_names`; "": there is one only
       type(hard_result) :: counts = hard_result() !! answers and refusals of a kind of bodies
       real(dp) :: figure = 0             !! worst error, in conditioning units or in 1e-16
       real(dp) :: part = 0               !! over the bound; above 1: broken

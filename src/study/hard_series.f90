@@ -49,7 +49,9 @@ module poinsot_study_hard_series
          [0.5_dp, 0.8_dp, 1.0_dp], up, [sqrt(2.0_dp), 0.0_dp, 0.0_dp], hanging, 6.0_dp), &
       series_case("needle", "I1 = 1e-6, its centre on the axis, 10 units", &
          [1e-6_dp, 1.0_dp, 1.0_dp], along, [1e-7_dp, 0.8_dp, 0.5_dp], some, 10.0_dp), &
-      series_case("lopsided", "the same, its centre off the axis: 10 librations about it", &
+      series_case("sliver", "I1 = 1e-9, a third of it between I2 and I3, 10 units", &
+         [1e-9_dp, 1.0_dp, 1.0000000003_dp], along, [1e-10_dp, 0.8_dp, 0.5_dp], some, 10.0_dp), &
+      series_case("lopsided", "I1 = 1e-6, its centre off the axis: 10 librations about it", &
          [1e-6_dp, 1.0_dp, 1.0_dp], up, [1e-7_dp, 0.8_dp, 0.5_dp], some, 0.06_dp), &
       series_case("line", "I1 = 0, its centre on the axis, 10 units", &
          [0.0_dp, 1.0_dp, 1.0_dp], along, [0.0_dp, 0.8_dp, 0.5_dp], some, 10.0_dp), &

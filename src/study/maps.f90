@@ -5,6 +5,7 @@
 module poinsot_study_maps
    use poinsot_core_error, only: poinsot_error
    use poinsot_core_kinds, only: dp, qp
+   use poinsot_core_order, only: ascending_order
    use poinsot_free_method, only: free_method, find_method
    use poinsot_study_dual, only: dual, constant, sqrt, sin, cos, operator(+), operator(-), &
       operator(*), operator(/)
@@ -171,9 +172,10 @@ contains
       type(dual), intent(in) :: y(3)
       type(dual), intent(out) :: modified(3)
       real(qp) :: i(3), m(3), a(3), theta, k1, k3
+      real(dp) :: parity
       type(dual) :: p, r, cp, cr, w(3)
       integer :: s(3)
-      s = rising(moments)
+      call ascending_order(moments, s, parity)
       i = moments(s)
       m = 0
       where (i > 0) m = 1/i
@@ -260,15 +262,6 @@ contains
          quotient = quotient + x(i)
       end do
    end function quotient
-
-   pure function rising(moments) result(s)
-      real(dp), intent(in) :: moments(3)
-      integer :: s(3)
-      s(1) = minloc(moments, dim=1)
-      s(3) = maxloc(moments, dim=1, back=.true.)
-      if (s(1) == s(3)) s(3) = 1 + mod(s(1), 3)
-      s(2) = 6 - s(1) - s(3)
-   end function rising
 
    ! The flow
    ! -----------------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@
 !> formulas. Steps of half a radian; the error after a thousand of them is about 1e-30.
 module poinsot_study_quadruple
    use poinsot_core_kinds, only: dp, qp
+   use poinsot_core_order, only: ascending_order
    implicit none(type, external)
    private
    public :: turn_freely, cross
@@ -15,7 +16,7 @@ module poinsot_study_quadruple
    !> One body with moments sorted, and what its steps of one length have in common.
    type :: sorted_body
       integer :: order(3) = [1, 2, 3]
-      real(qp) :: parity = 1
+      real(dp) :: parity = 1
       real(qp) :: i(3) = 1, inverse(3) = 1
       real(qp) :: a(3) = 0, th = 0.5_qp
       real(qp) :: h = 0
@@ -57,12 +58,8 @@ contains
       real(dp), intent(in) :: moments(3)
       type(sorted_body), intent(out) :: body
       integer :: j
-      associate (o => body%order)
-         if (moments(o(1)) > moments(o(2))) call exchange(o(1), o(2), body%parity)
-         if (moments(o(2)) > moments(o(3))) call exchange(o(2), o(3), body%parity)
-         if (moments(o(1)) > moments(o(2))) call exchange(o(1), o(2), body%parity)
-         body%i = moments(o)
-      end associate
+      call ascending_order(moments, body%order, body%parity)
+      body%i = moments(body%order)
       do j = 1, 3
          body%inverse(j) = 0
          if (body%i(j) > 0) body%inverse(j) = 1/body%i(j)
@@ -72,16 +69,6 @@ contains
          if (i(3) > i(1)) body%th = (i(3) - i(2))/(i(3) - i(1))
       end associate
    end subroutine sort_body
-
-   pure subroutine exchange(i, j, parity)
-      integer, intent(inout) :: i, j
-      real(qp), intent(inout) :: parity
-      integer :: keep
-      keep = i
-      i = j
-      j = keep
-      parity = -parity
-   end subroutine exchange
 
    !> Everything that is the same in all steps of this body.
    pure subroutine sum_series(body, y)

@@ -16,17 +16,21 @@ module poinsot_study_turn
 contains
 
    !> `steps` steps of one body. Status of the body, or of the refusing call.
-   subroutine turn_one(name, moments, h, steps, y, q, status)
+   subroutine turn_one(name, moments, h, steps, y, q, status, compensated)
       character(*), intent(in) :: name
       real(dp), intent(in) :: moments(3), h
       integer, intent(in) :: steps
       real(dp), intent(inout) :: y(3), q(4)
       integer, intent(out) :: status
+      logical, intent(in), optional :: compensated !! sums with a carry, from 0
       type(free_method) :: method
       type(body_class) :: class
       type(poinsot_error) :: error
-      real(dp) :: yb(lanes, 3), qb(lanes, 4)
+      real(dp) :: yb(lanes, 3), qb(lanes, 4), carry(lanes, 7)
       integer :: sb(lanes), i
+      logical :: plain
+      plain = .true.
+      if (present(compensated)) plain = .not. compensated
       call find_method(trim(name), method, error)
       if (.not. raised(error)) call make_class(moments, class, error)
       status = error%code
@@ -37,8 +41,10 @@ contains
       sb = poinsot_ok
       yb(1, :) = y
       qb(1, :) = q
+      carry = 0
       do i = 1, steps
-         call advance(method, class, h, yb, qb, sb)
+         if (plain) call advance(method, class, h, yb, qb, sb)
+         if (.not. plain) call advance(method, class, h, yb, qb, sb, carry)
       end do
       y = yb(1, :)
       q = qb(1, :)
@@ -63,22 +69,23 @@ contains
    end subroutine turn_scaled
 
    !> The same body by moments of its own.
-   subroutine turn_by_moments(name, moments, h, steps, y, q, status)
+   subroutine turn_by_moments(name, moments, h, steps, y, q, status, compensated)
       character(*), intent(in) :: name
       real(dp), intent(in) :: moments(3), h
       integer, intent(in) :: steps
       real(dp), intent(inout) :: y(3), q(4)
       integer, intent(out) :: status
+      logical, intent(in), optional :: compensated !! sums with a carry, from 0
       type(poinsot_plan) :: plan
       type(poinsot_error) :: error
       real(dp), target :: m(3, 1)
       plan%threads = 1
       m(:, 1) = moments
-      call drift_one(plan, name, h, steps, y, q, status, error, moments=m)
+      call drift_one(plan, name, h, steps, y, q, status, error, compensated=compensated, moments=m)
    end subroutine turn_by_moments
 
    !> One body through a plan: its status, or that of the refusing call.
-   subroutine drift_one(plan, name, h, steps, y, q, status, error, scale, moments)
+   subroutine drift_one(plan, name, h, steps, y, q, status, error, scale, moments, compensated)
       type(poinsot_plan), intent(inout), target :: plan
       character(*), intent(in) :: name
       real(dp), intent(in) :: h
@@ -87,8 +94,9 @@ contains
       integer, intent(out) :: status
       type(poinsot_error), intent(inout) :: error
       real(dp), intent(in), target, optional :: scale(1), moments(3, 1)
+      logical, intent(in), optional :: compensated
       type(body_view) :: view
-      real(dp), target :: yy(3, 1), qq(4, 1)
+      real(dp), target :: yy(3, 1), qq(4, 1), carry(7, 1)
       integer, target :: each(1)
       integer :: i
       yy(:, 1) = y
@@ -96,6 +104,10 @@ contains
       each = poinsot_ok
       call view_rows(yy, qq, view)
       view%status => each
+      carry = 0
+      if (present(compensated)) then
+         if (compensated) view%carry => carry
+      end if
       if (present(scale)) view%scale => scale
       if (present(moments)) then
          do i = 1, 3
