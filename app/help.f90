@@ -117,7 +117,7 @@ contains
             "units, ...) through every method, with plain and with compensated sums; measures 13", &
             "promises (other units, axes in any order, there and back, steps of any size,", &
             "quaternions off unit norm, ...), seven tops and fields in every splitting, and nine", &
-            "tops by taylor: the worst errors, refusals, and a verdict on each against its bound.", &
+            "tops by taylor: the worst errors, refusals, verdicts on each against its bound.", &
             "A few seconds.", &
             "", &
             "   NAME        one case, method or splitting: every figure, bound and verdict of it", &

@@ -389,6 +389,7 @@ contains
       end if
    end subroutine check_product
 
+   !> Place of a key among those of an effect; 0 if it has none of that name.
    pure integer function find_key(info, key) result(k)
       type(effect_info), intent(in) :: info
       character(*), intent(in) :: key

@@ -132,6 +132,7 @@ contains
       if (off > unit_tolerance) q = q/largest/norm
    end subroutine make_unit
 
+   !> How far something is off, for a message: three digits, no blanks.
    function amount(off) result(text)
       real(dp), intent(in) :: off
       character(:), allocatable :: text

@@ -217,6 +217,7 @@ contains
       end do
    end function is_input
 
+   !> Is it the name of a file in the list?
    pure logical function is_one_of(name, names)
       character(*), intent(in) :: name
       type(file_name), intent(in) :: names(:)

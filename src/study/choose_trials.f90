@@ -56,6 +56,7 @@ contains
       call move_alloc(all%contenders, contenders)
    end subroutine prepare_task
 
+   !> What the search tries and what it compares with: task, list and contenders of a scene.
    subroutine prepare_trials(scene, request, limit, all, answer, error)
       type(scene_settings), intent(in) :: scene
       type(choose_request), intent(in) :: request

@@ -53,6 +53,7 @@ contains
       variable%d(k) = 1
    end function variable
 
+   !> Value without derivatives.
    elemental real(qp) function value_of(x)
       type(dual), intent(in) :: x
       value_of = x%v

@@ -3,8 +3,8 @@
 !> An error counts in units of conditioning: one unit is what moving each input by 1e-16 does to the
 !> result. Each method crosses the time three times: in one step, as far as it takes it, in steps of
 !> at most a fifth of a radian, and in these with compensated sums. `exact` and `jacobi` do so again
-!> as hosts can have it: the body by `scale` of a class of another size, and by `moments` of its own,
-!> with constants for each lane (every other case with compensated sums).
+!> as hosts can have it: the body by `scale` of a class of another size, and by `moments` of its
+!> own, with constants for each lane (every other case with compensated sums).
 module poinsot_study_hard_kinds
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, qp
