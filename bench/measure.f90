@@ -5,6 +5,7 @@
 !> machine at rest.
 module bench_measure
    use poinsot_core_kinds, only: dp, i8
+   use poinsot_study_statistics, only: quantile
    implicit none(type, external)
    private
    public :: task, task_item, measure, median, minimum, spread_of, median_cpu, clock_rate
@@ -150,25 +151,5 @@ contains
       class(task), intent(in) :: one
       spread_of = 0.5_dp*(quantile(one%ns, 0.75_dp) - quantile(one%ns, 0.25_dp))/median(one)
    end function spread_of
-
-   !> Quantile between neighbours in order.
-   pure real(dp) function quantile(x, part)
-      real(dp), intent(in) :: x(:), part
-      real(dp) :: s(size(x)), place, keep
-      integer :: i, j
-      s = x
-      do i = 2, size(s)
-         keep = s(i)
-         do j = i - 1, 1, -1
-            if (s(j) <= keep) exit
-            s(j + 1) = s(j)
-         end do
-         s(j + 1) = keep
-      end do
-      place = 1 + part*(size(s) - 1)
-      i = min(int(place), max(1, size(s) - 1))
-      j = min(i + 1, size(s))
-      quantile = s(i) + (place - i)*(s(j) - s(i))
-   end function quantile
 
 end module bench_measure

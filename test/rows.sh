@@ -8,7 +8,7 @@ set -u
 cd "$(dirname "$0")/.." || exit 1
 FC=${FC:-gfortran} BUILD=${BUILD:-build}
 case $BUILD in /*) ;; *) BUILD=$PWD/$BUILD ;; esac
-root=$PWD copy=$BUILD/rows quick=${1:-}
+copy=$BUILD/rows quick=${1:-}
 passed=0 failed=0
 told() { # RESULT WHAT
    if [ "$1" = 0 ]; then
@@ -44,10 +44,10 @@ if [ "$quick" = quick ]; then
    "$FC" -O0 -fopenmp -fPIC -cpp -Iinclude -J mod -o "$app" $(tools/sources.sh $(echo app/*.f90)) -llapack -lblas >build.log 2>&1
 else
    app=$copy/build/stage/bin/poinsot
-   ln -s "$root/build/tools" build/tools
-   cp "$root/build/builder" build/ 2>/dev/null
-   cp -r "$root/build/dependencies" build/ 2>/dev/null
-   EXTRA_FLAGS="-O1" SETUP=no tools/build.sh stage >build.log 2>&1
+   ln -s "$BUILD/tools" build/tools
+   cp "$BUILD/builder" build/ 2>/dev/null
+   cp -r "$BUILD/dependencies" build/ 2>/dev/null
+   BUILD=build EXTRA_FLAGS="-O1" SETUP=no tools/build.sh stage >build.log 2>&1
 fi
 told $? "an app with four more rows builds ($copy/build.log)"
 [ -x "$app" ] || { echo "$passed passed, $((failed + 1)) failed"; exit 1; }

@@ -145,13 +145,13 @@ contains
    end function is_risky
 
    !> A lane without a finite result has no number at all: that raises nothing further on.
-   pure subroutine settle(d)
+   pure subroutine mark_not_finite(d)
       real(dp), intent(inout) :: d(:, :) !! (lanes, 1 or 3)
       integer :: l
       do l = 1, lanes
          if (.not. all(is_number(d(l, :)))) d(l, :) = no_number
       end do
-   end subroutine settle
+   end subroutine mark_not_finite
 
    subroutine add_torque(self, class, t, q, g)
       class(potential), intent(in) :: self
@@ -167,7 +167,7 @@ contains
          call begin_quiet(saved)
          call find_torque(self, t, q, torque)
          call end_quiet(saved)
-         call settle(torque)
+         call mark_not_finite(torque)
       else
          call find_torque(self, t, q, torque)
       end if
@@ -207,7 +207,7 @@ contains
          call begin_quiet(saved)
          call find_energy(self, t, q, energy(:, 1))
          call end_quiet(saved)
-         call settle(energy)
+         call mark_not_finite(energy)
       else
          call find_energy(self, t, q, energy(:, 1))
       end if
@@ -256,7 +256,7 @@ contains
          call begin_quiet(saved)
          call find_change(self, t, q, delta, change)
          call end_quiet(saved)
-         call settle(change)
+         call mark_not_finite(change)
       else
          call find_change(self, t, q, delta, change)
       end if
