@@ -12,7 +12,7 @@ module poinsot_study_choose
    use poinsot_study_choose_rank, only: time_finalists, take
    use poinsot_study_choose_trials, only: trials, prepare_trials
    use poinsot_study_clock, only: processor_seconds, time_limit, limit_in, part_of
-   use poinsot_study_search, only: contender, search_steps, cost_of, usual_slack
+   use poinsot_study_search, only: contender, search_steps, run_cost, usual_slack
    use poinsot_taylor_settings, only: least_tolerance
    implicit none(type, external)
    private
@@ -106,7 +106,7 @@ contains
       k = minloc(all%contenders%best_error, 1)
       answer%runner_up%h = 0
       if (all%contenders(k)%best_multiple > 0) then
-         call take(scene, all, k, cost_of(all%contenders(k), all%contenders(k)%best_multiple), &
+         call take(scene, all, k, run_cost(all%contenders(k), all%contenders(k)%best_multiple), &
             nearest)
          if (.not. (answer%best%h > 0 .and. answer%checked .and. answer%best%error < &
             nearest%error)) then

@@ -16,7 +16,7 @@ module poinsot_study_choose_check
    use poinsot_study_errors, only: compare_states
    use poinsot_study_members, only: member_set, draw_members
    use poinsot_study_reference, only: reference_solution, find_reference
-   use poinsot_study_search, only: problem, cost_of
+   use poinsot_study_search, only: problem, run_cost
    use poinsot_study_trial, only: make_plan, trial_run, run_trial
    implicit none(type, external)
    private
@@ -141,13 +141,13 @@ contains
       least = no_cost
       do i = 1, size(all%contenders)
          associate (one => all%contenders(i))
-            if (one%met > 0) least = min(least, cost_of(one, one%met))
+            if (one%met > 0) least = min(least, run_cost(one, one%met))
          end associate
       end do
       do i = 1, size(all%contenders)
          associate (one => all%contenders(i))
             one%running = one%met > 0
-            if (one%running) one%running = cost_of(one, one%met) <= 3*least
+            if (one%running) one%running = run_cost(one, one%met) <= 3*least
             one%failed = 0
             one%met = 0
             one%last = huge(one%last)

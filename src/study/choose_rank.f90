@@ -7,7 +7,7 @@ module poinsot_study_choose_rank
    use poinsot_study_choose_trials, only: trials
    use poinsot_study_clock, only: time_limit, left_of
    use poinsot_study_members, only: member_set, repeat_members
-   use poinsot_study_search, only: contender, step_of, cost_of
+   use poinsot_study_search, only: contender, step_of, run_cost
    use poinsot_study_statistics, only: median
    use poinsot_study_timing, only: time_steps
    implicit none(type, external)
@@ -37,7 +37,7 @@ contains
       cost_of = no_cost
       do i = 1, size(all%list)
          associate (one => all%contenders(i))
-            if (one%met > 0) cost_of(i) = cost_of(one, one%met)
+            if (one%met > 0) cost_of(i) = run_cost(one, one%met)
          end associate
       end do
       call pick_finalists(cost_of, all%contenders%adaptive, at, n)
@@ -59,7 +59,7 @@ contains
                real(one%met*one%unit, dp)
          end associate
       end do
-      if (minval(cost_of) >= no_cost) cost_of(at(1)) = cost_of(all%contenders(at(1)), &
+      if (minval(cost_of) >= no_cost) cost_of(at(1)) = run_cost(all%contenders(at(1)), &
          all%contenders(at(1))%met)
       k = best_of(all%contenders, cost_of)
       call take(scene, all, k, cost_of(k), answer%best)

@@ -15,7 +15,7 @@ module poinsot_study_search
    use poinsot_core_kinds, only: qp
    implicit none(type, external)
    private
-   public :: problem, contender, search_steps, step_of, cost_of
+   public :: problem, contender, search_steps, step_of, run_cost
 
    !> What has to be solved.
    type :: problem
@@ -87,7 +87,7 @@ contains
             end if
             call try_steps(task, multiple, contenders(i))
             contenders(i)%running = contenders(i)%met == 0
-            if (cost_of(contenders(i), multiple) > slack*lowest_cost(contenders)) then
+            if (run_cost(contenders(i), multiple) > slack*lowest_cost(contenders)) then
                contenders(i)%running = .false.
             end if
             if (stalled(contenders(i), multiple)) contenders(i)%running = .false.
@@ -178,7 +178,7 @@ contains
       type(problem), intent(in) :: task
       type(contender), intent(in) :: one
       integer(i8), intent(in) :: multiple
-      estimate = 1e-9_dp*task%members%n*cost_of(one, multiple)
+      estimate = 1e-9_dp*task%members%n*run_cost(one, multiple)
    end function estimate
 
    !> Run one candidate with one step.
@@ -203,7 +203,7 @@ contains
       given = largest_of(angle(:task%members%given))
       deviation = larger(near, given)
       one%last = deviation
-      one%paid = cost_of(one, multiple)
+      one%paid = run_cost(one, multiple)
       if (deviation < 0.7_dp*one%best_error) then
          one%best_error = deviation
          one%best_multiple = multiple
@@ -222,18 +222,18 @@ contains
    end subroutine try_steps
 
    !> Time per unit of simulated time, in units that all candidates share.
-   pure real(dp) function cost_of(one, multiple)
+   pure real(dp) function run_cost(one, multiple)
       type(contender), intent(in) :: one
       integer(i8), intent(in) :: multiple
-      cost_of = one%ns*real(multiple*one%unit, dp)
-   end function cost_of
+      run_cost = one%ns*real(multiple*one%unit, dp)
+   end function run_cost
 
    pure real(dp) function lowest_cost(contenders)
       type(contender), intent(in) :: contenders(:)
       integer :: i
       lowest_cost = 1e100_dp
       do i = 1, size(contenders)
-         if (contenders(i)%met > 0) lowest_cost = min(lowest_cost, cost_of(contenders(i), &
+         if (contenders(i)%met > 0) lowest_cost = min(lowest_cost, run_cost(contenders(i), &
             contenders(i)%met))
       end do
    end function lowest_cost
@@ -258,7 +258,7 @@ contains
             call guess_multiple(task, contenders(i), multiple)
             closed(i) = multiple == 0
             if (closed(i)) cycle
-            expected = cost_of(contenders(i), max(multiple, contenders(i)%failed + 1))
+            expected = run_cost(contenders(i), max(multiple, contenders(i)%failed + 1))
             if (expected > slack*lowest_cost(contenders)) closed(i) = .true.
             if (closed(i) .or. expected >= least) cycle
             least = expected
