@@ -288,7 +288,6 @@ contains
       logical :: beyond
       integer :: k, n
       n = group*nvec
-      rotation%far(:n) = 0
       if (.not. by_jacobi) then
          call find_rotation(nvec, c, h, y, rotation, sizes, beyond)
          if (.not. beyond) then
@@ -345,7 +344,6 @@ contains
       logical :: beyond
       integer :: k, l, n
       n = group*nvec
-      rotation%far(:n) = 0
       dy(:n, :) = 0
       dq(:n, :) = 0
       beyond = .true.
@@ -454,7 +452,7 @@ contains
       beyond = over < 0
    end subroutine find_series
 
-   !> The axis of the rotation of every lane.
+   !> The rotation of every lane.
    pure subroutine find_axis(nvec, c, h, y, xss, zss, products, pss, rss, rotation)
       integer, intent(in) :: nvec
       type(lane_constants), intent(in) :: c
@@ -462,7 +460,8 @@ contains
       real(dp), intent(in), dimension(lanes) :: xss, zss, products, pss, rss
       type(step_rotation), intent(inout) :: rotation
       real(dp) :: a1, a2, a3, theta, f1, w1, w2, w3, xs, zs, product, ps, rs
-      real(dp) :: den, u, cf, df, b, g, u1, u3, s1, s2, s3, d, loss, v1, v2, v3
+      real(dp) :: den, u, cf, df, b, g, u1, u3, s1, s2, s3, d, loss, v1, v2, v3, vv
+      real(dp) :: cosine, factor
       integer :: l
       !GCC$ ivdep
       do l = 1, group*nvec
@@ -480,10 +479,13 @@ contains
          ps = pss(l)
          rs = rss(l)
          include "exact_step_second.inc"
+         include "exact_step_angle.inc"
          rotation%v(l, 1) = v1
          rotation%v(l, 2) = v2
          rotation%v(l, 3) = v3
          rotation%loss(l) = loss
+         rotation%cosine(l) = cosine
+         rotation%factor(l) = factor
       end do
    end subroutine find_axis
 
@@ -493,14 +495,13 @@ contains
       type(step_rotation), intent(in) :: rotation
       real(dp), intent(in) :: h(lanes)
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
-      real(dp) :: v1, v2, v3, vv, cosine, factor, y1, y2, y3, q0, q1, q2, q3, draw
+      real(dp) :: v1, v2, v3, cosine, factor, y1, y2, y3, q0, q1, q2, q3, draw
       real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3
       real(dp), parameter :: parity = 1
       integer, parameter :: i1 = 1, i2 = 2, i3 = 3
       integer :: l
       !GCC$ ivdep
       do l = 1, group*nvec
-         include "exact_step_angle.inc"
          draw = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0)
          include "exact_step_third.inc"
          y(l, 1) = y1 + d1
@@ -519,14 +520,13 @@ contains
       type(step_rotation), intent(in) :: rotation
       real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(inout) :: dy(lanes, 3), dq(lanes, 4)
-      real(dp) :: v1, v2, v3, vv, cosine, factor, y1, y2, y3, q0, q1, q2, q3
+      real(dp) :: v1, v2, v3, cosine, factor, y1, y2, y3, q0, q1, q2, q3
       real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3
       real(dp), parameter :: parity = 1, draw = 0
       integer, parameter :: i1 = 1, i2 = 2, i3 = 3
       integer :: l
       !GCC$ ivdep
       do l = 1, group*nvec
-         include "exact_step_angle.inc"
          include "exact_step_third.inc"
          dy(l, 1) = d1
          dy(l, 2) = d2

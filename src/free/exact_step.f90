@@ -19,10 +19,10 @@ module poinsot_free_exact_step
 
    !> The rotation of a step, axes sorted.
    type :: step_rotation
-      real(dp) :: v(lanes, 3)      !! sin(angle) axis
-      real(dp) :: loss(lanes)      !! of momentum about the axis of the smallest moment
-      integer(i8) :: far(lanes)    !! mask: half the angle needs roots
-      logical :: any_near, any_far !! is there a lane of either kind?
+      real(dp) :: v(lanes, 3)   !! sin(angle) axis
+      real(dp) :: loss(lanes)   !! of momentum about the axis of the smallest moment
+      real(dp) :: cosine(lanes) !! cos(angle/2) - 1
+      real(dp) :: factor(lanes) !! 1/(2 cos(angle/2))
    end type step_rotation
 
    !> What stands between the first loop and the second.
@@ -73,16 +73,8 @@ contains
       real(dp), intent(inout) :: q(lanes, 4) !! attitude
       logical, intent(out) :: too_long
       type(step_rotation) :: rotation
-      rotation%far(:group*nvec) = 0 ! a loop here has the compiler align the whole of it
       call find_rotation(nvec, class, h, y, rotation, too_long)
-      if (too_long) return
-      if (.not. rotation%any_far) then
-         call turn_near(nvec, class, rotation, h, y, q)
-      else if (.not. rotation%any_near) then
-         call turn_far(nvec, class, rotation, h, y, q)
-      else
-         call turn_both(nvec, class, rotation, h, y, q)
-      end if
+      if (.not. too_long) call turn(nvec, class, rotation, h, y, q)
    end subroutine single_pass
 
    !> The same as increments of y and q.
@@ -93,10 +85,8 @@ contains
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
       logical, intent(out) :: too_long
       type(step_rotation) :: rotation
-      rotation%far(:group*nvec) = 0 ! a loop here has the compiler align the whole of it
       call find_rotation(nvec, class, h, y, rotation, too_long)
-      if (too_long) return
-      call rotation_increments(nvec, class, rotation, y, q, dy, dq)
+      if (.not. too_long) call rotation_increments(nvec, class, rotation, y, q, dy, dq)
    end subroutine single_pass_increments
 
    !> The rotation of one step of each lane.
@@ -110,27 +100,28 @@ contains
       type(step_rotation), intent(inout) :: rotation
       logical, intent(out) :: too_long
       type(series_block) :: short, long
+      integer(i8) :: far(lanes)
       logical :: any_far, any_near
 
       too_long = .false.
       any_near = .true.
       if (begins_far(class, h(1), y(1, 1), y(1, 2), y(1, 3))) then
-         call long_series(nvec, class, h, y, long, rotation%far, any_near, too_long)
+         call long_series(nvec, class, h, y, long, far, any_near, too_long)
          if (too_long) return
          if (any_near) call short_series(nvec, class, h, y, short, any_far)
          any_far = .true.
       else
          call short_series(nvec, class, h, y, short, any_far)
-         if (any_far) call long_series(nvec, class, h, y, long, rotation%far, any_near, too_long)
+         if (any_far) call long_series(nvec, class, h, y, long, far, any_near, too_long)
          if (too_long) return
       end if
-      rotation%any_near = any_near
-      rotation%any_far = any_far
-      if (any_near .and. any_far) call take_chosen(nvec, rotation%far, long, short)
-      if (any_near) then
-         call find_axis(nvec, class, short, rotation)
+      if (.not. any_near) then
+         call find_axis_far(nvec, class, long, rotation)
+      else if (any_far) then
+         call take_chosen(nvec, far, long, short)
+         call find_axis_both(nvec, class, far, short, rotation)
       else
-         call find_axis(nvec, class, long, rotation)
+         call find_axis(nvec, class, short, rotation)
       end if
    end subroutine find_rotation
 
@@ -220,7 +211,7 @@ contains
       type(body_class), intent(in), target :: class
       real(dp), intent(in) :: h(lanes), y(lanes, 3)
       type(series_block), intent(inout), target :: s
-      integer(i8), intent(inout) :: far(lanes) !! mask of the lanes that need them
+      integer(i8), intent(out) :: far(lanes)   !! mask of the lanes that need them
       logical, intent(out) :: any_near         !! is there another one?
       logical, intent(out) :: too_long         !! is one beyond these too?
       real(dp) :: m1, m2, m3, k1, k3, b4, c4, w1, w2, w3, square, p, r, x, z, e, f, t, xs, zs, u, v
@@ -305,22 +296,25 @@ contains
       any_near = near < 0
    end subroutine long_series
 
-   !> The momentum at the end of the step by the duplication formula, and the axis of the rotation.
+   !> The momentum at the end of the step by the duplication formula, and the rotation of the
+   !> step; half its angle by polynomials.
    pure subroutine find_axis(nvec, class, s, rotation)
       integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       type(series_block), intent(in) :: s
       type(step_rotation), intent(inout) :: rotation
       real(dp) :: a1, a2, a3, theta, f1, w1, w2, w3, xs, zs, product, ps, rs
-      real(dp) :: den, u, cf, df, b, g, u1, u3, s1, s2, s3, d, loss, v1, v2, v3
-      integer :: l
+      real(dp) :: den, u, cf, df, b, g, u1, u3, s1, s2, s3, d, loss, v1, v2, v3, vv
+      real(dp) :: cosine, factor
+      integer :: l, n
       a1 = class%a(1)
       a2 = class%a(2)
       a3 = class%a(3)
       theta = class%theta
       f1 = class%f1
+      n = iand(group*nvec, not(group - 1)) ! says to the compiler that no lane is left over
       !GCC$ ivdep
-      do l = 1, group*nvec
+      do l = 1, n
          w1 = s%w(l, 1)
          w2 = s%w(l, 2)
          w3 = s%w(l, 3)
@@ -330,97 +324,110 @@ contains
          ps = s%ps(l)
          rs = s%rs(l)
          include "exact_step_second.inc"
+         include "exact_step_angle.inc"
          rotation%v(l, 1) = v1
          rotation%v(l, 2) = v2
          rotation%v(l, 3) = v3
          rotation%loss(l) = loss
+         rotation%cosine(l) = cosine
+         rotation%factor(l) = factor
       end do
    end subroutine find_axis
 
-   !> The next state, plain sums; half the angle by polynomials.
-   pure subroutine turn_near(nvec, class, rotation, h, y, q)
-      integer, intent(in) :: nvec
-      type(body_class), intent(in) :: class
-      type(step_rotation), intent(in) :: rotation
-      real(dp), intent(in) :: h(lanes)
-      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
-      real(dp) :: v1, v2, v3, vv, cosine, factor, y1, y2, y3, q0, q1, q2, q3, draw
-      real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3, parity
-      integer :: l, i1, i2, i3
-      i1 = class%order(1)
-      i2 = class%order(2)
-      i3 = class%order(3)
-      parity = class%parity
-      !GCC$ ivdep
-      do l = 1, group*nvec
-         include "exact_step_angle.inc"
-         draw = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0)
-         include "exact_step_third.inc"
-         y(l, i1) = y1 + d1
-         y(l, i2) = y2 + d2
-         y(l, i3) = y3 + d3
-         q(l, 1) = parity*(q0 + e0)
-         q(l, 1 + i1) = q1 + e1
-         q(l, 1 + i2) = q2 + e2
-         q(l, 1 + i3) = q3 + e3
-      end do
-   end subroutine turn_near
-
    !> The same; half the angle by roots.
-   pure subroutine turn_far(nvec, class, rotation, h, y, q)
+   pure subroutine find_axis_far(nvec, class, s, rotation)
       integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
-      type(step_rotation), intent(in) :: rotation
-      real(dp), intent(in) :: h(lanes)
-      real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
-      real(dp) :: v1, v2, v3, vv, cosine, factor, half, y1, y2, y3, q0, q1, q2, q3, draw
-      real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3, parity
-      integer :: l, i1, i2, i3
-      i1 = class%order(1)
-      i2 = class%order(2)
-      i3 = class%order(3)
-      parity = class%parity
+      type(series_block), intent(in) :: s
+      type(step_rotation), intent(inout) :: rotation
+      real(dp) :: a1, a2, a3, theta, f1, w1, w2, w3, xs, zs, product, ps, rs
+      real(dp) :: den, u, cf, df, b, g, u1, u3, s1, s2, s3, d, loss, v1, v2, v3, vv
+      real(dp) :: half
+      integer :: l, n
+      a1 = class%a(1)
+      a2 = class%a(2)
+      a3 = class%a(3)
+      theta = class%theta
+      f1 = class%f1
+      n = iand(group*nvec, not(group - 1))
       !GCC$ ivdep
-      do l = 1, group*nvec
-         v1 = rotation%v(l, 1)
-         v2 = rotation%v(l, 2)
-         v3 = rotation%v(l, 3)
+      do l = 1, n
+         w1 = s%w(l, 1)
+         w2 = s%w(l, 2)
+         w3 = s%w(l, 3)
+         xs = s%xs(l)
+         zs = s%zs(l)
+         product = s%product(l)
+         ps = s%ps(l)
+         rs = s%rs(l)
+         include "exact_step_second.inc"
          vv = v1*v1 + v2*v2 + v3*v3
          half = sqrt(0.5_dp + 0.5_dp*sqrt(1 - vv))
-         cosine = half - 1
-         factor = 0.5_dp/half
-         draw = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0)
-         include "exact_step_third.inc"
-         y(l, i1) = y1 + d1
-         y(l, i2) = y2 + d2
-         y(l, i3) = y3 + d3
-         q(l, 1) = parity*(q0 + e0)
-         q(l, 1 + i1) = q1 + e1
-         q(l, 1 + i2) = q2 + e2
-         q(l, 1 + i3) = q3 + e3
+         rotation%v(l, 1) = v1
+         rotation%v(l, 2) = v2
+         rotation%v(l, 3) = v3
+         rotation%loss(l) = loss
+         rotation%cosine(l) = half - 1
+         rotation%factor(l) = 0.5_dp/half
       end do
-   end subroutine turn_far
+   end subroutine find_axis_far
 
-   !> The same where some lanes turn further than others.
-   pure subroutine turn_both(nvec, class, rotation, h, y, q)
+   !> The same; half the angle by roots in the lanes that turn far.
+   pure subroutine find_axis_both(nvec, class, far, s, rotation)
+      integer, intent(in) :: nvec
+      type(body_class), intent(in) :: class
+      integer(i8), intent(in) :: far(lanes)
+      type(series_block), intent(in) :: s
+      type(step_rotation), intent(inout) :: rotation
+      real(dp) :: a1, a2, a3, theta, f1, w1, w2, w3, xs, zs, product, ps, rs
+      real(dp) :: den, u, cf, df, b, g, u1, u3, s1, s2, s3, d, loss, v1, v2, v3, vv
+      real(dp) :: cosine, factor, half
+      integer :: l, n
+      a1 = class%a(1)
+      a2 = class%a(2)
+      a3 = class%a(3)
+      theta = class%theta
+      f1 = class%f1
+      n = iand(group*nvec, not(group - 1))
+      !GCC$ ivdep
+      do l = 1, n
+         w1 = s%w(l, 1)
+         w2 = s%w(l, 2)
+         w3 = s%w(l, 3)
+         xs = s%xs(l)
+         zs = s%zs(l)
+         product = s%product(l)
+         ps = s%ps(l)
+         rs = s%rs(l)
+         include "exact_step_second.inc"
+         include "exact_step_angle.inc"
+         half = sqrt(0.5_dp + 0.5_dp*sqrt(1 - vv))
+         rotation%v(l, 1) = v1
+         rotation%v(l, 2) = v2
+         rotation%v(l, 3) = v3
+         rotation%loss(l) = loss
+         rotation%cosine(l) = choose(far(l), half - 1, cosine)
+         rotation%factor(l) = choose(far(l), 0.5_dp/half, factor)
+      end do
+   end subroutine find_axis_both
+
+   !> The next state, plain sums.
+   pure subroutine turn(nvec, class, rotation, h, y, q)
       integer, intent(in) :: nvec
       type(body_class), intent(in) :: class
       type(step_rotation), intent(in) :: rotation
       real(dp), intent(in) :: h(lanes)
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
-      real(dp) :: v1, v2, v3, vv, cosine, factor, half, y1, y2, y3, q0, q1, q2, q3, draw
+      real(dp) :: v1, v2, v3, cosine, factor, y1, y2, y3, q0, q1, q2, q3, draw
       real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3, parity
-      integer :: l, i1, i2, i3
+      integer :: l, n, i1, i2, i3
       i1 = class%order(1)
       i2 = class%order(2)
       i3 = class%order(3)
       parity = class%parity
+      n = iand(group*nvec, not(group - 1))
       !GCC$ ivdep
-      do l = 1, group*nvec
-         include "exact_step_angle.inc"
-         half = sqrt(0.5_dp + 0.5_dp*sqrt(1 - vv))
-         cosine = choose(rotation%far(l), half - 1, cosine)
-         factor = choose(rotation%far(l), 0.5_dp/half, factor)
+      do l = 1, n
          draw = merge(0.5_dp, 0.0_dp, abs(h(l)) > 0)
          include "exact_step_third.inc"
          y(l, i1) = y1 + d1
@@ -431,7 +438,7 @@ contains
          q(l, 1 + i2) = q2 + e2
          q(l, 1 + i3) = q3 + e3
       end do
-   end subroutine turn_both
+   end subroutine turn
 
    !> The increments of y and q.
    pure subroutine rotation_increments(nvec, class, rotation, y, q, dy, dq)
@@ -440,20 +447,17 @@ contains
       type(step_rotation), intent(in) :: rotation
       real(dp), intent(in) :: y(lanes, 3), q(lanes, 4)
       real(dp), intent(out) :: dy(lanes, 3), dq(lanes, 4)
-      real(dp) :: v1, v2, v3, vv, cosine, factor, half, y1, y2, y3, q0, q1, q2, q3, draw
+      real(dp) :: v1, v2, v3, cosine, factor, y1, y2, y3, q0, q1, q2, q3, draw
       real(dp) :: u1, u2, u3, k, d1, d2, d3, e0, e1, e2, e3, parity
-      integer :: l, i1, i2, i3
+      integer :: l, n, i1, i2, i3
       i1 = class%order(1)
       i2 = class%order(2)
       i3 = class%order(3)
       parity = class%parity
       draw = 0
+      n = iand(group*nvec, not(group - 1))
       !GCC$ ivdep
-      do l = 1, group*nvec
-         include "exact_step_angle.inc"
-         half = sqrt(0.5_dp + 0.5_dp*sqrt(1 - vv))
-         cosine = choose(rotation%far(l), half - 1, cosine)
-         factor = choose(rotation%far(l), 0.5_dp/half, factor)
+      do l = 1, n
          include "exact_step_third.inc"
          dy(l, i1) = d1
          dy(l, i2) = d2

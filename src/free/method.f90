@@ -228,15 +228,13 @@ contains
       real(dp), intent(inout), optional :: carry(lanes, 7)   !! compensated sums, if wanted
       integer, intent(in), optional :: nvec                  !! groups of lanes to work on
       real(dp) :: hl(lanes)
-      integer :: used, failed, l
+      integer :: used, n, l
       used = groups
       if (present(nvec)) used = nvec
-      failed = 0
-      do l = 1, group*used
-         hl(l) = h
-         failed = ior(failed, status(l))
+      n = iand(group*used, not(group - 1)) ! says to the compiler that no lane is left over
+      do l = 1, n
+         hl(l) = merge(h, 0.0_dp, status(l) == poinsot_ok)
       end do
-      if (failed /= poinsot_ok) call stop_failed(used, status, hl)
       if (abs(h) > far) call reject_far(used, class, y, hl, status)
       if (associated(method%step) .and. .not. present(carry)) then
          call method%step(used, class, method%terms, hl, y, q, status)
