@@ -1,7 +1,7 @@
 ! Interfaces of the C functions of poinsot.h, for Fortran compilers other than the one that built
-! the library: compile this file with your program. What each function does stands in poinsot.h;
-! texts are `trim(text)//c_null_char`, handles type(c_ptr). Built with the same compiler, `use
-! poinsot` is the shorter way.
+! the library: compile this file with your program. poinsot.h documents each function; strings are
+! `trim(text)//c_null_char`, handles type(c_ptr). With the compiler that built the library, `use
+! poinsot` is simpler.
 module poinsot_interface
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_funptr, c_int, c_int64_t, &
       c_null_ptr, c_ptr, c_intptr_t, c_size_t, c_sizeof

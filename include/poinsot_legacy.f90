@@ -1,6 +1,6 @@
-! Interfaces of the subroutines poinsot_..._f, for hosts in Fortran that want the compiler to look at
-! the arguments of a call; what they mean stands in poinsot.h. Compile it with the host: it works with
-! any compiler that adds one underscore to external names. Made from poinsot.h.
+! Interfaces of the subroutines poinsot_..._f, for Fortran hosts that want the compiler to check the
+! arguments of calls; poinsot.h documents them. Compile this file with the host: it works with any
+! compiler that appends one underscore to external names. Generated from poinsot.h.
 module poinsot_legacy
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t
    implicit none

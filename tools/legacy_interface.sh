@@ -1,6 +1,6 @@
 #!/bin/sh
-# Print include/poinsot_legacy.f90, made from the declarations of include/poinsot.h: interfaces for Fortran that does not want
-# implicit ones. test/exports.sh compares. usage: tools/legacy_interface.sh >include/poinsot_legacy.f90
+# Print include/poinsot_legacy.f90, made from the declarations of include/poinsot.h: explicit interfaces for
+# Fortran hosts. test/exports.sh compares. usage: tools/legacy_interface.sh >include/poinsot_legacy.f90
 cd "$(dirname "$0")/.." || exit 1
 
 awk '
@@ -57,9 +57,9 @@ function show(declaration,   name, arguments, part, i, k) {
 /^void poinsot_.*_f_\(/ { whole = $0; while (whole !~ /;/) { getline; sub(/^ */, "", $0); whole = whole " " $0 } show(whole) }
 
 END {
-   print "! Interfaces of the subroutines poinsot_..._f, for hosts in Fortran that want the compiler to look at"
-   print "! the arguments of a call; what they mean stands in poinsot.h. Compile it with the host: it works with"
-   print "! any compiler that adds one underscore to external names. Made from poinsot.h."
+   print "! Interfaces of the subroutines poinsot_..._f, for Fortran hosts that want the compiler to check the"
+   print "! arguments of calls; poinsot.h documents them. Compile this file with the host: it works with any"
+   print "! compiler that appends one underscore to external names. Generated from poinsot.h."
    print "module poinsot_legacy"
    print "   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t"
    print "   implicit none"
