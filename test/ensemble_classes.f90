@@ -6,6 +6,7 @@ module test_ensemble_classes
    use poinsot_core_error, only: poinsot_error
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_ensemble_bodies, only: body_view, view_rows
+   use poinsot_ensemble_chunk, only: class_sorted_chunk, collect_chunk
    use poinsot_ensemble_compose, only: make_ready
    use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_tensor_class, find_class
    use poinsot_ensemble_step, only: drift_bodies
@@ -23,6 +24,7 @@ contains
          new_unittest("class-found-by-moments", test_find), &
          new_unittest("class-found-is-the-nearest", test_nearest), &
          new_unittest("class-not-found", test_refused), &
+         new_unittest("classes-in-any-order", test_any_order), &
          new_unittest("classes-by-the-thousand", test_thousands)]
    end subroutine collect_classes
 
@@ -129,6 +131,67 @@ contains
       call find_class(plan, one, 0.0_dp, number, problem)
       call refused(error, problem, poinsot_e_domain, "ready")
    end subroutine test_refused
+
+   !> Bodies go into blocks class by class, each in the order of their places, however many classes
+   !> there are and however their numbers lie; who is skipped or refused is left out.
+   subroutine test_any_order(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: sizes(9) = [2, 3, 31, 64, 65, 255, 256, 1027, 8192]
+      integer, parameter :: ranges(5) = [2, 3, 17, 400, 100000]
+      integer :: k, j
+      do k = 1, size(sizes)
+         do j = 1, size(ranges)
+            call sort_bodies(error, sizes(k), ranges(j), .false.)
+            call sort_bodies(error, sizes(k), ranges(j), .true.)
+            if (allocated(error)) return
+         end do
+      end do
+   end subroutine test_any_order
+
+   !> n bodies of so many classes at random; with `ill` some are skipped, and some are of none.
+   subroutine sort_bodies(error, n, classes, ill)
+      type(error_type), allocatable, intent(inout) :: error
+      integer, intent(in) :: n, classes
+      logical, intent(in) :: ill
+      type(random_stream) :: stream
+      type(body_view) :: view
+      type(class_sorted_chunk) :: h
+      real(dp), target :: y(3, n), q(4, n)
+      integer, target :: class(n), status(n)
+      integer, allocatable :: expected(:), number(:)
+      integer :: i, c
+      logical :: refused
+      character(60) :: what
+      write (what, "(i0, a, i0, a, l1)") n, " bodies, ", classes, " classes, ill ", ill
+      stream = start_stream(n + classes)
+      y = 0
+      q = 0.5_dp
+      status = -1
+      do i = 1, n
+         class(i) = 1 + int(classes*uniform(stream))
+         if (ill .and. mod(i, 7) == 3) class(i) = -2
+         if (ill .and. mod(i, 7) == 5) class(i) = classes + i
+      end do
+      allocate (expected(0))
+      do c = 1, merge(classes, 0, classes <= 400)
+         expected = [expected, pack([(i, i=1, n)], class == c)]
+      end do
+      call view_rows(y, q, view)
+      view%body_class => class
+      view%status => status
+      refused = .false.
+      call collect_chunk(view, classes, n, 1, h, refused)
+      call expect(error, refused .eqv. any(class > classes), trim(what)//": refused")
+      call expect(error, h%n, count(class >= 1 .and. class <= classes), trim(what)//": how many")
+      if (allocated(error)) return
+      number = class(h%at(:h%n))
+      call expect(error, all(h%class(:h%n) == number), trim(what)//": class by class")
+      call expect(error, all(number(2:) > number(:h%n - 1) .or. (number(2:) == number(:h%n - 1) &
+         .and. h%at(2:h%n) > h%at(:h%n - 1))), trim(what)//": in order")
+      if (classes <= 400) call expect(error, all(h%at(:h%n) == expected), trim(what)//": places")
+      call expect(error, all(merge(poinsot_e_domain, merge(poinsot_ok, -1, class < 0), &
+         class > classes) == status), trim(what)//": statuses")
+   end subroutine sort_bodies
 
    subroutine test_thousands(error)
       type(error_type), allocatable, intent(out) :: error

@@ -1,10 +1,10 @@
 !> Bodies sorted by class, chunk by chunk, so that they go into blocks of one class. A chunk is the
 !> unit that OpenMP hands to threads.
 module poinsot_ensemble_chunk
-   use, intrinsic :: iso_c_binding, only: c_int
+   use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_loc
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
-   use poinsot_ensemble_bodies, only: body_view
+   use poinsot_ensemble_bodies, only: body_view, column
    implicit none(type, external)
    private
    public :: chunk_length, chunk_count, class_sorted_chunk, collect_chunk, next_block, &
@@ -13,7 +13,7 @@ module poinsot_ensemble_chunk
    integer, parameter :: short = 8*lanes         !! bodies in a chunk where all are of one class
    integer, parameter :: long = 256*lanes        !! at most where there are more: blocks fill up
    integer, parameter :: chunks_per_thread = 4   !! then at least, if there are bodies enough
-   integer, parameter :: widest = 8*long         !! range of class numbers that is counted out
+   integer, parameter :: bytes = storage_size(1.0_dp)/8
 
    !> The bodies of one chunk in the order in which they go into blocks: class by class, each in the
    !> order of their places.
@@ -93,122 +93,158 @@ contains
       integer, intent(in) :: classes, last
       type(class_sorted_chunk), intent(inout) :: h
       logical, intent(inout) :: refused
-      integer :: least, most
-      call copy_classes(view%body_class(h%first:last), h)
-      call find_range(h, least, most)
+      integer :: number(long), place(long), least, most, shift
+      call copy_classes(view%body_class(h%first:last), h%first, number, place)
+      call find_range(number(:h%n), least, most)
       if (least < view%first_class .or. most > view%first_class + classes - 1) then
-         call leave_out(view, classes, h, refused)
-         call find_range(h, least, most)
+         call leave_out(view, classes, h%n, number, place, refused)
+         call find_range(number(:h%n), least, most)
       end if
-      if (view%first_class /= 1) h%class(:h%n) = h%class(:h%n) + (1 - view%first_class)
-      if (are_sorted(h)) return
-      if (most - least < widest) then
-         call count_out(least + (1 - view%first_class), most + (1 - view%first_class), h)
+      shift = 1 - view%first_class
+      if (shift /= 0) number(:h%n) = number(:h%n) + shift
+      if (are_sorted(number(:h%n))) then
+         h%class(:h%n) = number(:h%n)
+         h%at(:h%n) = place(:h%n)
+         return
+      end if
+      if (most - least < 2*h%n) then
+         call count_out(h%n, number, place, least + shift, most + shift, h%class, h%at)
       else
-         call merge_sort(h)
+         call merge_sort(h%n, number, place, h%class, h%at)
       end if
-      call read_ahead(view, last, h)
+      call read_ahead(view, h%first, last, h%touched)
    end subroutine sort_by_class
 
    !> All of them in the order of their places, with the caller's numbers of classes.
-   pure subroutine copy_classes(class_of, h)
+   pure subroutine copy_classes(class_of, first, number, place)
       integer(c_int), intent(in) :: class_of(:)
-      type(class_sorted_chunk), intent(inout) :: h
+      integer, intent(in) :: first
+      integer, intent(inout) :: number(long), place(long)
       integer :: i
-      do i = 1, h%n
-         h%class(i) = class_of(i)
-         h%at(i) = h%first + i - 1
+      do i = 1, size(class_of)
+         number(i) = class_of(i)
+         place(i) = first + i - 1
       end do
    end subroutine copy_classes
 
-   pure subroutine find_range(h, least, most)
-      type(class_sorted_chunk), intent(in) :: h
+   pure subroutine find_range(number, least, most)
+      integer, intent(in) :: number(:)
       integer, intent(out) :: least, most
       integer :: i
       least = huge(least)
       most = -huge(most)
-      do i = 1, h%n
-         least = min(least, h%class(i))
-         most = max(most, h%class(i))
+      do i = 1, size(number)
+         least = min(least, number(i))
+         most = max(most, number(i))
       end do
    end subroutine find_range
 
-   pure logical function are_sorted(h)
-      type(class_sorted_chunk), intent(in) :: h
+   pure logical function are_sorted(number)
+      integer, intent(in) :: number(:) !! of classes: none is negative
       integer :: i, falls
       falls = 0
-      do i = 2, h%n
-         falls = ior(falls, h%class(i) - h%class(i - 1)) ! both are numbers of classes
+      do i = 2, size(number)
+         falls = ior(falls, number(i) - number(i - 1))
       end do
       are_sorted = falls >= 0
    end function are_sorted
 
    !> Without those whose class is not there, and those that are skipped.
-   subroutine leave_out(view, classes, h, refused)
+   subroutine leave_out(view, classes, n, number, place, refused)
       type(body_view), intent(in) :: view
       integer, intent(in) :: classes
-      type(class_sorted_chunk), intent(inout) :: h
+      integer, intent(inout) :: n, number(long), place(long)
       logical, intent(inout) :: refused
       integer :: i, class, taken
       taken = 0
-      do i = 1, h%n
-         class = h%class(i)
+      do i = 1, n
+         class = number(i)
          if (class >= view%first_class .and. class <= view%first_class + classes - 1) then
             taken = taken + 1
-            h%at(taken) = h%at(i)
-            h%class(taken) = class
+            place(taken) = place(i)
+            number(taken) = class
          else
             refused = refused .or. class >= 0
-            if (associated(view%status)) view%status(h%at(i)) = &
+            if (associated(view%status)) view%status(place(i)) = &
                merge(poinsot_ok, poinsot_e_domain, class < 0)
          end if
       end do
-      h%n = taken
+      n = taken
    end subroutine leave_out
 
    !> Sort by counting: how many of each class, where each class begins, and everyone to its place.
-   pure subroutine count_out(least, most, h)
-      integer, intent(in) :: least, most      !! class numbers
-      type(class_sorted_chunk), intent(inout) :: h
-      integer :: at(long), number(long), next(least:most), i, place, n
-      at(:h%n) = h%at(:h%n)
-      number(:h%n) = h%class(:h%n)
+   !> Of few classes each quarter of the bodies has counters of its own: a counter that has just
+   !> been written is waited for.
+   pure subroutine count_out(n, number, place, least, most, class, at)
+      integer, intent(in) :: n, number(long), place(long)
+      integer, intent(in) :: least, most       !! of the numbers of classes
+      integer, intent(inout) :: class(long), at(long) !! sorted
+      integer :: next(4, least:most), i, k, c, first, quarter, many
+      quarter = merge(n/4, 0, most - least < n/64)
       next = 0
-      do i = 1, h%n
-         next(number(i)) = next(number(i)) + 1
+      do i = 1, quarter
+         call count_one(next(1, number(i)))
+         call count_one(next(2, number(i + quarter)))
+         call count_one(next(3, number(i + 2*quarter)))
+         call count_one(next(4, number(i + 3*quarter)))
       end do
-      place = 1
-      do i = least, most
-         n = next(i)
-         next(i) = place
-         h%class(place:place + n - 1) = i
-         place = place + n
+      do i = 4*quarter + 1, n
+         call count_one(next(4, number(i)))
       end do
-      do i = 1, h%n
-         place = next(number(i))
-         next(number(i)) = place + 1
-         h%at(place) = at(i)
+      first = 1
+      do c = least, most
+         many = sum(next(:, c))
+         class(first:first + many - 1) = c
+         do k = 1, 4
+            many = next(k, c)
+            next(k, c) = first
+            first = first + many
+         end do
+      end do
+      do i = 1, quarter
+         call put_one(place(i), next(1, number(i)), at)
+         call put_one(place(i + quarter), next(2, number(i + quarter)), at)
+         call put_one(place(i + 2*quarter), next(3, number(i + 2*quarter)), at)
+         call put_one(place(i + 3*quarter), next(4, number(i + 3*quarter)), at)
+      end do
+      do i = 4*quarter + 1, n
+         call put_one(place(i), next(4, number(i)), at)
       end do
    end subroutine count_out
 
+   pure subroutine count_one(counter)
+      integer, intent(inout) :: counter
+      counter = counter + 1
+   end subroutine count_one
+
+   pure subroutine put_one(place, next, at)
+      integer, intent(in) :: place
+      integer, intent(inout) :: next, at(long)
+      integer :: k
+      k = next
+      next = k + 1
+      at(k) = place
+   end subroutine put_one
+
    !> Sort by merging, where the numbers of the classes lie far apart.
-   pure subroutine merge_sort(h)
-      type(class_sorted_chunk), intent(inout) :: h
-      integer(i8) :: key(h%n), other(h%n)
+   pure subroutine merge_sort(n, number, place, class, at)
+      integer, intent(in) :: n, number(long), place(long)
+      integer, intent(inout) :: class(long), at(long)
+      integer(i8) :: key(n), other(n)
       integer :: width, from
-      key = shiftl(int(h%class(:h%n), i8), 32) + h%at(:h%n)
+      key = shiftl(int(number(:n), i8), 32) + place(:n)
       width = 1
-      do while (width < h%n)
-         do from = 1, h%n, 2*width
-            call merge_runs(key(from:min(h%n, from + width - 1)), &
-                            key(from + width:min(h%n, from + 2*width - 1)), &
-                            other(from:min(h%n, from + 2*width - 1)))
+      do while (width < n)
+         do from = 1, n, 2*width
+            call merge_runs(key(from:min(n, from + width - 1)), &
+                            key(from + width:min(n, from + 2*width - 1)), &
+                            other(from:min(n, from + 2*width - 1)))
          end do
          key = other
          width = 2*width
       end do
-      h%class(:h%n) = int(shiftr(key, 32))
-      h%at(:h%n) = int(iand(key, 4294967295_i8))
+      class(:n) = int(shiftr(key, 32))
+      at(:n) = int(iand(key, 4294967295_i8))
    end subroutine merge_sort
 
    !> Two sorted runs into one.
@@ -235,26 +271,43 @@ contains
       end do
    end subroutine merge_runs
 
-   !> Read one component of every body in the order of the places: memory is fetched at its full
-   !> speed, and the blocks that follow, whose bodies are scattered, find theirs in the cache.
-   subroutine read_ahead(view, last, h)
+   !> Read the bodies in the order of their places, a number of each cache line: memory is fetched
+   !> at its full speed, and the blocks that follow, whose bodies are scattered, find theirs in the
+   !> cache.
+   subroutine read_ahead(view, first, last, touched)
       type(body_view), intent(in) :: view
-      integer, intent(in) :: last
-      type(class_sorted_chunk), intent(inout) :: h
-      h%touched = 0
-      if (.not. associated(view%y_at)) h%touched = touch(view%y(1)%of(h%first:last))
-      if (.not. associated(view%q_at)) h%touched = ior(h%touched, touch(view%q(1)%of(h%first:last)))
+      integer, intent(in) :: first, last
+      integer(i8), intent(inout) :: touched    !! nobody needs it
+      touched = 0
+      if (.not. associated(view%y_at)) call touch(view%y, first, last, touched)
+      if (.not. associated(view%q_at)) call touch(view%q, first, last, touched)
    end subroutine read_ahead
 
-   !> Bits of all of them, so that nothing is raised and nothing is left out.
-   pure integer(i8) function touch(x)
-      real(dp), intent(in) :: x(:)
-      integer :: i
-      touch = 0
-      do i = 1, size(x)
-         touch = ieor(touch, transfer(x(i), 1_i8))
+   !> Bits of a number of each line, so that nothing is raised and nothing is left out. Components
+   !> that do not lie in arrays of their own lie side by side.
+   subroutine touch(x, first, last, touched)
+      type(column), intent(in) :: x(4)
+      integer, intent(in) :: first, last       !! more than one body
+      integer(i8), intent(inout) :: touched
+      integer(c_intptr_t), parameter :: line = 64
+      integer(c_intptr_t) :: apart
+      integer :: i, j, step
+      apart = address(x(1)%of(2)) - address(x(1)%of(1))
+      step = int(max(1_c_intptr_t, line/max(1_c_intptr_t, abs(apart))))
+      do j = 1, 4
+         if (.not. associated(x(j)%of)) cycle
+         if (j > 1 .and. step < line/bytes) exit
+         do i = first, last, step
+            touched = ieor(touched, transfer(x(j)%of(i), 1_i8))
+         end do
       end do
-   end function touch
+   end subroutine touch
+
+   !> The address of a number.
+   integer(c_intptr_t) function address(x)
+      real(dp), intent(in), target :: x
+      address = transfer(c_loc(x), 0_c_intptr_t)
+   end function address
 
    !> The next block of the chunk: up to `lanes` bodies of one class, with their places. n = 0 when
    !> there are none left.

@@ -115,6 +115,7 @@ contains
       real(dp), intent(inout) :: into(lanes, *)
       real(dp) :: picked(3, lanes)
       integer :: l
+      !GCC$ novector
       do l = 1, n
          picked(1, l) = rows(1, at(l))
          picked(2, l) = rows(2, at(l))
@@ -134,6 +135,7 @@ contains
       real(dp), intent(inout) :: into(lanes, *)
       real(dp) :: picked(4, lanes)
       integer :: l
+      !GCC$ novector
       do l = 1, n
          picked(1, l) = rows(1, at(l))
          picked(2, l) = rows(2, at(l))
@@ -156,6 +158,7 @@ contains
       real(dp) :: picked(3, lanes)
       integer :: l
       call rows_out_3((n + group - 1)/group, from, picked)
+      !GCC$ novector
       do l = 1, n
          rows(1, at(l)) = picked(1, l)
          rows(2, at(l)) = picked(2, l)
@@ -170,6 +173,7 @@ contains
       real(dp) :: picked(4, lanes)
       integer :: l
       call rows_out_4((n + group - 1)/group, from, picked)
+      !GCC$ novector
       do l = 1, n
          rows(1, at(l)) = picked(1, l)
          rows(2, at(l)) = picked(2, l)
@@ -264,7 +268,8 @@ contains
       end if
    end subroutine rows_out_4
 
-   !> One strided column; the compiler makes a version of its own for stride 1.
+   !> One column. (Here as above: where places lie anywhere, single loads beat gathers by vectors,
+   !> which compilers prefer.)
    pure subroutine column_in(from, scattered, at, n, into)
       real(dp), intent(in) :: from(:)
       logical, intent(in) :: scattered
@@ -272,11 +277,12 @@ contains
       real(dp), intent(inout) :: into(lanes)
       integer :: l, first
       first = at(1) - 1
-      if (in_a_row(scattered, at, n)) then
+      if (in_a_row(scattered, at, n) .and. is_contiguous(from)) then
          do l = 1, lanes
             into(l) = from(first + l)
          end do
       else
+         !GCC$ novector
          do l = 1, n
             into(l) = from(at(l))
          end do
@@ -290,11 +296,12 @@ contains
       real(dp), intent(in) :: from(lanes)
       integer :: l, first
       first = at(1) - 1
-      if (in_a_row(scattered, at, n)) then
+      if (in_a_row(scattered, at, n) .and. is_contiguous(to)) then
          do l = 1, lanes
             to(first + l) = from(l)
          end do
       else
+         !GCC$ novector
          do l = 1, n
             to(at(l)) = from(l)
          end do
