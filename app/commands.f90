@@ -51,8 +51,8 @@ contains
          continue
       end select
       if (is_option(name)) then
-         call print_error("unknown option '" // name // "'; there are --help and --version, " // &
-                       "others follow a command")
+         call print_error("unknown option '" // name // "'; before a command only --help and " // &
+                       "--version are allowed")
          code = exit_usage
          return
       else if (.not. any(table%name == name)) then

@@ -113,7 +113,7 @@ contains
          call print_error(error%message)
          return
       end if
-      if (study%stopped) call print_error("asked to stop: what was measured until then is written")
+      if (study%stopped) call print_error("interrupted: results measured so far are written")
       if (.not. options%quiet) call show_file(out // "/cost.txt")
       call draw_pictures(cost_pictures(study), out, options%quiet, &
                          scripts_only=.not. options%pictures)

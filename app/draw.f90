@@ -23,9 +23,9 @@ contains
       if (size(names) == 0) return
       call find_shared("plots", plots)
       if (len(plots) == 0) then
-         if (.not. scripts_only) call print_error("no pictures: their scripts, " // &
-            "share/poinsot/plots, are not beside this program; name the folder " // &
-            "share/poinsot in POINSOT_SHARE")
+         if (.not. scripts_only) call print_error("no pictures: the plot " // &
+            "scripts, share/poinsot/plots, were not found; set POINSOT_SHARE to the folder " // &
+            "share/poinsot")
          return
       end if
       do i = 1, size(names)
@@ -35,7 +35,7 @@ contains
       if (raised(error) .or. scripts_only) return
       call execute_command_line("gnuplot --version >/dev/null 2>&1", exitstat=state, cmdstat=code)
       if (state /= 0 .or. code /= 0) then
-         if (.not. quiet) call say("gnuplot not found; plot_*.gp draw the pictures where it is")
+         if (.not. quiet) call say("gnuplot not found; pictures can be drawn later by plot_*.gp")
          return
       end if
       do i = 1, size(names)

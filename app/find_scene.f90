@@ -48,8 +48,8 @@ contains
       character(*), intent(in) :: scene
       character(:), allocatable :: message
       if (any(shipped_scenes == scene)) then
-         message = "the scene '" // scene // "' is shipped, but not beside this program; name " // &
-            "the folder of the scenes in POINSOT_SCENES"
+         message = "the scene '" // scene // "' is a shipped scene, but was not found; set " // &
+            "POINSOT_SCENES to the folder of the scenes"
       else
          message = "there is no file '" // scene // "' and no scene of that name" // &
             suggestion(scene, shipped_scenes) // " (poinsot scenes lists them)"

@@ -70,7 +70,7 @@ contains
       if (is_logical(key)) then
          text = "a logical"
       else if (key%is_text) then
-         text = "a text"
+         text = "a string"
       else if (key%units == "integer" .and. key%most == 1) then
          text = "an integer"
       else if (key%most < 0) then

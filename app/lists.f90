@@ -77,7 +77,7 @@ contains
       code = exit_usage
       if (.not. fine("splittings", words, 0)) return
       code = exit_ok
-      call say("splitting        order  turns  gradients  what it is for; source")
+      call say("splitting        order  drifts gradients  what it is for; source")
       do i = 1, splitting_count()
          name = splitting_name(i)
          call find_splitting(trim(name), scheme, error)

@@ -62,7 +62,8 @@ contains
          if (present(question)) then
             call print_error(command // ": " // question)
          else
-            call print_error(command // ": which scene? Shipped are " // joined(shipped_scenes))
+            call print_error(command // ": no scene given; shipped scenes: " // &
+                             joined(shipped_scenes))
          end if
          good = .false.
       end if
@@ -139,7 +140,7 @@ contains
       if (good) good = value*unit >= 0.1_dp .and. value*unit <= 86400
       if (good) seconds = value*unit
       if (.not. good) call print_error(command // ": --budget " // text // &
-         " is not a time from 0.1 s to a day, as 60s or 2m")
+         " is not a time from 0.1 s to one day, such as 60s or 2m")
    end subroutine seconds_of
 
    !> "1e-3,1e-6" as numbers within bounds; complains itself.
@@ -161,7 +162,8 @@ contains
       end do
       if (good) return
       call print_error(command // ": " // option // " " // text // " is neither a number " // &
-                    "nor a list a,b,c, from " // text_of(least) // " to " // text_of(most))
+                    "nor a list a,b,c of numbers from " // text_of(least) // &
+                    " to " // text_of(most))
    end subroutine numbers_in
 
    !> "a,b,c" as words.

@@ -53,7 +53,7 @@ contains
       logical :: good
       code = exit_usage
       call read_study_options("reproduce", words, known, options, good, &
-                              "which figure? There are " // joined(figures))
+                              "no figure given; choose one of: " // joined(figures))
       if (.not. good) return
       if (.not. any(figures == options%scene)) then
          call print_error("reproduce: unknown figure '" // options%scene // "'" // &

@@ -130,7 +130,7 @@ contains
          end select
       end do
       if (good .and. len(options%scene) == 0) then
-         call print_error("run: which scene? Shipped are " // joined(shipped_scenes))
+         call print_error("run: no scene given; shipped scenes: " // joined(shipped_scenes))
          good = .false.
       end if
       do while (len(options%out) > 1)
@@ -302,7 +302,7 @@ contains
    function hint_of(report) result(hint)
       type(run_report), intent(in) :: report
       character(:), allocatable :: hint
-      hint = "; nothing was kept to continue from (output.restart is empty)"
+      hint = "; no restart file was written (output.restart is empty)"
       if (len(report%restart) > 0) hint = "; continue with --set scene.from=" // report%restart
    end function hint_of
 

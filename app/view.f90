@@ -19,8 +19,8 @@ contains
       logical, intent(in) :: quiet
       call find_shared(page_name, path)
       if (len(path) > 0 .or. quiet) return
-      call print_error("no page of the motion: share/poinsot/" // page_name // " is not " // &
-                       "beside this program; name the folder share/poinsot in POINSOT_SHARE")
+      call print_error("no page of the motion: share/poinsot/" // page_name // " was not " // &
+                       "found; set POINSOT_SHARE to the folder share/poinsot")
    end subroutine find_template
 
    !> `poinsot view FOLDER`: the page of an earlier run made anew. `done` is false if the one word
@@ -34,7 +34,7 @@ contains
       code = exit_usage
       done = .true.
       if (size(words%at) == 0) then
-         call print_error("view: of which folder, or which scene?")
+         call print_error("view: no folder or scene given")
          return
       end if
       associate (folder => words%at(1)%text)

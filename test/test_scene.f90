@@ -355,7 +355,7 @@ contains
                        refusal("&output every=1 every=2 /", "every is given twice"), &
                        refusal("&output every='1' /", "takes numbers"), &
                        refusal("&output every=1,2 /", "more are given"), &
-                       refusal("&output every=1 format=2 /", "not a text"), &
+                       refusal("&output every=1 format=2 /", "not a string"), &
                        refusal("&output every=1 format='csw' /", "is not one of: csv"), &
                        refusal("&gravity centre=1,2 /", "too few"), &
                        refusal("&gravity centre=1,,2 /", "without a value"), &

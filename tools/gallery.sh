@@ -1,6 +1,6 @@
 #!/bin/sh
 # The gallery of the shipped scenes: runs each into build/gallery/NAME, where its page (view.html) and all its pictures are, and
-# writes docs/gallery.md with one picture of each, 640 dots wide, in docs/pictures/scenes, and the words of the scene's own head.
+# writes docs/gallery.md with one picture of each, 640 dots wide, in docs/pictures/scenes, and the text of the scene's own header.
 #
 # usage: make gallery, or tools/gallery.sh [NAME ...]: only these scenes are run anew; the others keep their picture
 # environment: POINSOT the app (build/stage/bin/poinsot)
@@ -13,12 +13,12 @@ pictures=docs/pictures/scenes
 page=docs/gallery.md
 mkdir -p $out $pictures
 
-# The picture that tells most of a scene: the first that its head speaks of.
+# The most telling picture of a scene: the first that its header mentions.
 picture_of() {
    sed -n '/^!/!q; p' "scenes/$1.nml" | tr -c 'a-z.\n' ' ' | tr ' ' '\n' | grep '\.png$' | head -n 1
 }
 
-# What the head says, without the marks of comments; its first line apart.
+# The header without comment marks.
 words_of() { sed -n '/^!/!q; s/^! \{0,1\}//p' "scenes/$1.nml"; }
 
 # draw FOLDER PICTURE NAME: again, smaller; gnuplot's own script in the run's folder.
@@ -37,7 +37,7 @@ done
 {
    echo '# Gallery'
    echo
-   echo 'The shipped scenes, made by `make gallery`. `poinsot run NAME` leaves these pictures, the others that its words speak of, and'
+   echo 'The shipped scenes, made by `make gallery`. `poinsot run NAME` writes these pictures, the others mentioned here, and'
    echo '`view.html`: the motion, to watch in any browser.'
    for name in $names; do
       printf '\n## %s\n\n**%s**\n\n![%s](pictures/scenes/%s.png)\n\n' "$name" "$(words_of "$name" | head -n 1)" "$name" "$name"

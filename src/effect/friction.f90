@@ -36,7 +36,7 @@ contains
       character(*), intent(in) :: what    !! "drag", "friction"
       type(effect_key) :: keys(2)
       keys(1) = number_key("friction", 1, 3, "required", "torque per angular velocity", &
-                           what // ", the same for all axes or per body axis; or give rate", &
+                           what // ", one for all axes or one per body axis; or give rate", &
                            per_axis)
       keys(2) = number_key("rate", 1, 3, "", "1/time", &
                            "instead of friction: friction = rate I", per_axis)

@@ -43,7 +43,8 @@ contains
                   number_key("centre", 3, 3, "required", "length", &
                   "centre of mass from the fixed point, body frame", body_vector, shown="centre"), &
                   number_key("weight", 1, 1, "1", "force", "mass times acceleration of gravity"), &
-                  number_key("up", 3, 3, "0,0,1", "direction", "upwards, in space; normalised"), &
+                  number_key("up", 3, 3, "0,0,1", "direction", &
+                  "upward direction, in space; normalised"), &
                   turning_keys("up")])
       row%make => make_gravity
    end function gravity_row

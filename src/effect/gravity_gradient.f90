@@ -54,11 +54,11 @@ contains
                   number_key("radial", 3, 3, "1,0,0", "direction", &
                   "to or from the centre at anomaly 0, in space"), &
                   number_key("normal", 3, 3, "0,0,1", "direction", &
-                  "normal of the orbit, in space, across radial"), &
+                  "normal of the orbit, in space, perpendicular to radial"), &
                   text_key("orbit", "circular", "circular fixed", &
-                  "does the radial direction turn with the orbit?"), &
+                  "whether the radial direction rotates with the orbit"), &
                   number_key("eccentricity", 1, 1, "0", "relative", &
-                  "of the orbit, 0 to 0.99; radial points along its least distance"), &
+                  "of the orbit, 0 to 0.99; radial is along its least distance"), &
                   number_key("anomaly", 1, 1, "0", "radians", "mean anomaly at t = 0")])
       row%make => make_gravity_gradient
    end function gravity_gradient_row

@@ -47,7 +47,7 @@ contains
                   times_key(), &
                   number_key("table", 3, -1, "", "angular momentum", &
                   "that momentum, three numbers for each time", body_vector), &
-                  table_file_key("scene only: file with lines of t, three momenta")])
+                  table_file_key("scene only: file with lines of t and three momenta")])
       row%info%keys(3:4)%instead_of = "rotor"
       row%make => make_gyrostat
    end function gyrostat_row

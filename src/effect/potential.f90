@@ -53,9 +53,9 @@ contains
       allocate (row%info%keys, source=[ &
                   text_key("u", "required", "", &
                   "+ - * / ^ sqrt exp log sin ... atan2 min max; t, pi, Q11 to Q33"), &
-                  text_key("constants", "", "", "names for numbers, as in 'k = 1.5, w = 2'"), &
+                  text_key("constants", "", "", "named numbers, as in 'k = 1.5, w = 2'"), &
                   number_key("axes", 9, 9, "1,0,0,0,1,0,0,0,1", "direction", &
-                  "the body axes that Q11, Q21, Q31 and so on are components of", body_vector)])
+                  "the body axes whose components are Q11, Q21, Q31, ...", body_vector)])
       row%make => make_potential
    end function potential_row
 

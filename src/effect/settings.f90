@@ -178,7 +178,7 @@ contains
       code = poinsot_e_domain
       associate (given => settings(i))
          if (key%is_text .and. .not. allocated(given%text)) then
-            why = "takes a text"
+            why = "takes a string"
          else if (allocated(given%text) .and. .not. key%is_text) then
             why = "takes numbers only"
          else if (key%is_text) then

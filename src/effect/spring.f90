@@ -43,9 +43,9 @@ contains
       allocate (row%info%keys, source=[ &
                   number_key("stiffness", 1, 1, "required", "energy", "strength of the spring"), &
                   number_key("axis", 3, 3, "0,0,1", "direction", &
-                  "the axis it aligns, body frame; normalised", body_vector), &
+                  "axis that it aligns, body frame; normalised", body_vector), &
                   number_key("direction", 3, 3, "0,0,1", "direction", &
-                  "what it aligns it with, in space; normalised"), &
+                  "direction that it aligns the axis with, in space; normalised"), &
                   turning_keys("direction")])
       row%make => make_spring
    end function spring_row

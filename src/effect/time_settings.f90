@@ -16,7 +16,7 @@ contains
    pure function times_key() result(key)
       type(effect_key) :: key
       key = number_key("times", 1, -1, "", "time", &
-         "ascending; one given twice is a jump; constant beyond both ends")
+         "ascending; a repeated time is a jump; constant beyond both ends")
    end function times_key
 
    !> The key `file`, for scenes: a file of both.

@@ -56,7 +56,7 @@ contains
                   times_key(), &
                   number_key("table", 3, -1, "", "torque", "three numbers for each time", &
                   body_vector, "frame"), &
-                  table_file_key("scene only: file with lines of t, three torques")])
+                  table_file_key("scene only: file with lines of t and three torques")])
       row%make => make_torque
    end function torque_row
 

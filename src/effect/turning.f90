@@ -27,10 +27,11 @@ contains
    pure function turning_keys(name) result(keys)
       character(*), intent(in) :: name
       type(effect_key) :: keys(3)
-      keys(1) = number_key("rate", 1, 1, "0", "radians per time", "at which " // name // " turns")
-      keys(2) = number_key("phase", 1, 1, "0", "radians", "angle that it has turned at t = 0")
+      keys(1) = number_key("rate", 1, 1, "0", "radians per time", &
+         "rate at which " // name // " rotates")
+      keys(2) = number_key("phase", 1, 1, "0", "radians", "angle of this rotation at t = 0")
       keys(3) = number_key("about", 3, 3, "0,0,1", "direction", &
-         "axis that it turns about, in space; normalised")
+         "axis of this rotation, in space; normalised")
    end function turning_keys
 
    !> A direction from checked settings. POINSOT_E_DOMAIN for a zero vector.

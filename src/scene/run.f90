@@ -109,7 +109,7 @@ contains
          report%reason = error%message
       else if (run%stopped) then
          report%state = "interrupted"
-         report%reason = "asked to stop"
+         report%reason = "stopped on request"
       else
          report%state = "complete"
          if (ranks%number == 0 .and. whole%n > 0) then
@@ -449,8 +449,8 @@ contains
       if (.not. (scene%output%present .or. run%stopped)) return
       path = out // "/" // scene%output%restart
       if (.not. scene%output%present .and. file_exists(path)) then
-         call raise(error, poinsot_e_io, path // ": is there already, and no earlier run " // &
-            "wrote it; the state of this one is not kept")
+         call raise(error, poinsot_e_io, path // ": exists and was not written by an earlier " // &
+            "run, so it is not replaced; no restart file was written")
          return
       end if
       saved%method = report%method

@@ -92,17 +92,17 @@ contains
       call knot_within_step(scene, knot, name)
       if (report%splitting /= "taylor" .and. knot >= 0) call row(file, "order at knots", &
          "2: the table of &" // name // " has a knot at t = " // text_of(knot) // &
-         ", within a step; let steps end there", error)
+         ", within a step; make steps end there", error)
       if (report%splitting == "baoab" .and. has_noise(scene)) then
-         call row(file, "momenta", "are those at ends of steps, which baoab leaves cold by " // &
-                  "O(h^2), those right after the noise are not; attitudes are sampled best so", &
+         call row(file, "momenta", "are those at ends of steps, where with baoab they are too " // &
+                  "cold by O(h^2); attitudes are sampled best there", &
                   error)
       end if
       if (report%splitting == "taylor") call row(file, "tolerance", text_of(scene%tolerance), error)
       if (len(scene%chosen) > 0) call row(file, "chosen", scene%chosen, error)
       if (len(scene%chosen) > 0 .and. has_noise(scene)) then
-         call row(file, "noise", "was off in the choice, whose errors are those of states; " // &
-                  "averages: see splitting baoab", error)
+         call row(file, "noise", "was off in the choice, so errors of averages were not " // &
+                  "measured; baoab is best for them", error)
       end if
       call row(file, "seed", text_of(scene%seed), error)
       if (len(scene%from) > 0) call row(file, "continued from", scene%from, error)
@@ -227,8 +227,8 @@ contains
       type(poinsot_error), intent(inout) :: error
       call put(file, "", error)
       call put(file, "largest change at an output, relative" // &
-               trim(merge(" (a free body keeps all of them)        ", &
-               " (with effects, some need not stay)     ", size(scene%effects) == 0)), error)
+               trim(merge(" (a free body conserves all of them)         ", &
+               " (with effects, some are not conserved)      ", size(scene%effects) == 0)), error)
       call row(file, "  energy H", brief_number(report%drift%energy_change), error)
       call row(file, "  |y| (Casimir C)", brief_number(report%drift%casimir_change), error)
       call row(file, "  Q y, all of it", brief_number(report%drift%momentum_change), error)
@@ -250,7 +250,7 @@ contains
          call row(file, "  y, over |y|", brief_number(report%error_y), error)
          call row(file, "  q", brief_number(report%error_q), error)
          if (len(scene%chosen) > 0) call row(file, "  tol of auto", brief_number(scene%tol) // &
-            trim(merge(" is NOT KEPT", " is kept    ", report%beyond)), error)
+            trim(merge(" is NOT MET", " is met    ", report%beyond)), error)
          call put(file, "", error)
       end if
       call put(file, "state at the end, body frame" // trim(merge(" (the first few)", &

@@ -111,12 +111,12 @@ contains
       if (one .and. is_logical(key)) then
          call convert_logical(typed, key, entry%values(1), item, error)
       else if (.not. one) then
-         call reject_key(typed, item%key, "takes one text in quotes", error)
+         call reject_key(typed, item%key, "takes one string in quotes", error)
       else if (entry%values(1)%kind == value_null) then
          item%text = trim(key%default)
       else if (entry%values(1)%kind /= value_text) then
          call reject_key(typed, item%key, "= " // quoted(entry%values(1)%text) // &
-                       " is not a text; put it in quotes", error)
+                       " is not a string; put it in quotes", error)
       else
          item%text = trim(entry%values(1)%text)
       end if

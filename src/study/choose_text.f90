@@ -41,11 +41,11 @@ contains
       call add("error       " // error_text(scene, answer))
       if (.not. cannot_be_predicted(scene, answer)) then
          call add("near        " // brief_number(answer%best%near) // &
-            " is the median error of " // text_of(answer%bodies) // " states, " // &
+            ", the median error of " // text_of(answer%bodies) // " states, " // &
             text_of(answer%given) // " of them the scene's own")
       end if
-      call add("time        " // brief_number(answer%best%ns) // " ns a body-step, " // &
-               brief_number(answer%best%run) // " s the run, on one thread")
+      call add("time        " // brief_number(answer%best%ns) // " ns per body-step, " // &
+               brief_number(answer%best%run) // " s for the run, on one thread")
       if (answer%runner_up%h > 0) then
          call add("runner-up   " // label_of(answer%runner_up%setup) // ", h = " // &
             text_of(answer%runner_up%h) // &
@@ -53,24 +53,24 @@ contains
                      " times as long, error " // &
                   brief_number(answer%runner_up%error))
       else if (answer%ended == tolerance_kept) then
-         call add("runner-up   none: no other comes within the tolerance at near this price")
+         call add("runner-up   none: no other meets the tolerance at a similar cost")
       end if
       call add("reference   " // answer%reference)
       if (answer%noisy) then
-         call add("noise       is not judged: it was off in the trials, and errors of " // &
-                  "averages are others; baoab samples attitudes best")
+         call add("noise       was off in the trials, so errors of averages were not " // &
+                  "measured; baoab samples attitudes best")
       end if
       if (answer%t_measured < scene%t_end .and. .not. answer%checked .and. &
           answer%ended /= motion_chaotic) then
          call add("measured    to t = " // text_of(answer%t_measured) // &
-            "; errors are taken to grow in proportion to time")
+            "; errors are assumed to grow in proportion to time")
       end if
       if (answer%late > 0) call add("left out    " // candidates_of(answer%late) // &
-         ", for want of time: --budget gives more")
+         ", because time ran out; increase --budget")
       if (answer%ended /= tolerance_kept) call add("verdict     " // verdict(scene, tol, answer))
       call add("chosen      in " // brief_number(answer%seconds) // &
-         " s of the processor, among " // &
-         text_of(answer%candidates) // " that came through")
+         " s of processor time, among " // &
+         text_of(answer%candidates) // " that succeeded")
 
    contains
 
@@ -117,7 +117,7 @@ contains
          answer%t_measured < scene%t_end
    end function cannot_be_predicted
 
-   !> Why a tolerance is not kept.
+   !> Why a tolerance is not met.
    function verdict(scene, tol, answer) result(text)
       type(scene_settings), intent(in) :: scene
       real(dp), intent(in) :: tol
@@ -129,13 +129,13 @@ contains
             "; " // &
             brief_number(tol) // " holds to t = " // brief_number(answer%growth%holds)
       case (time_ran_out)
-         text = "time ran out before any candidate came within " // brief_number(tol) // "; " // &
-            candidates_of(answer%late) // " given up: --budget gives more"
+         text = "time ran out before any candidate met " // brief_number(tol) // "; " // &
+            candidates_of(answer%late) // " given up; increase --budget"
       case (out_of_reach)
-         text = "out of reach: no candidate comes within " // brief_number(tol) // &
-            " with any step or tolerance"
+         text = "out of reach: no candidate meets " // brief_number(tol) // &
+            " with any step size or tolerance"
       case default
-         text = "kept"
+         text = "met"
       end select
       if (answer%ended == tolerance_kept .or. .not. answer%best%h > 0) return
       text = text // "; " // label_of(answer%best%setup) // " comes nearest"
@@ -155,8 +155,8 @@ contains
          text_of(answer%best%tolerance)
       text = text // " for tol = " // brief_number(tol) // ": error " // &
          error_text(scene, answer) // ", " // brief_number(answer%best%ns) // &
-         " ns a body-step on this machine; found in " // brief_number(answer%seconds) // " s"
-      if (answer%ended /= tolerance_kept) text = text // "; NOT KEPT: " // &
+         " ns per body-step on this machine; found in " // brief_number(answer%seconds) // " s"
+      if (answer%ended /= tolerance_kept) text = text // "; NOT MET: " // &
          verdict(scene, tol, answer)
    end function choice_sentence
 

@@ -196,33 +196,31 @@ contains
                text_of(study%members%given) // " of them the scene's own; the others " // &
                spread_text(request%spread), error)
       if (study%kind%noisy) call put(file, &
-         "noise         off: the thermostat is at temperature 0, its " // &
-                                     "friction is kept; noise makes samples, not solutions", error)
+         "noise         off: temperature 0 with the same friction, " // &
+                                     "because runs with noise are only samples", error)
       if (study%kind%limit > 0) call put(file, "order         of splittings at most " // &
-         text_of(study%kind%limit) // &
-                                         ": the scene's drag or thermostat acts around the step", &
-                                            error)
+         text_of(study%kind%limit) // ": drag or thermostat act at both ends of a step", error)
       call put(file, "reference     " // study%reference%how, error)
       call put(file, "candidates    " // text_of(size(study%candidates)) // ", " // &
                text_of(size(study%points)) // " points, " // brief_number(study%seconds) // &
                   " s of " // &
                brief_number(request%budget), error)
-      call put(file, "sums          " // trim(merge("compensated, as poinsot run has them", &
-                                                   "plain                               ", &
+      call put(file, "sums          " // trim(merge("compensated, as in poinsot run", &
+                                                   "plain                         ", &
                                                       request%compensated)), error)
       if (study%late > 0) call put(file, "left out      shorter steps of " // &
-         text_of(study%late) // " candidates, for want of time: --budget gives more", error)
+         text_of(study%late) // " candidates, because time ran out; increase --budget", error)
       if (study%untimed > 0) call put(file, "not timed     " // text_of(study%untimed) // &
-         " of the points, for want of time", error)
+         " of the points, because time ran out", error)
       if (study%conserves .and. size(study%drift) == 0 .and. request%timed) call put(file, &
-         "energy        in long runs was left out, for want of time", error)
+         "energy        in long runs not measured, because time ran out", error)
       if (.not. study%conserves) call put(file, &
-         "energy        is not kept by the scene: its error is the " // &
-                                          "distance from the reference, and no long run is made", &
+         "energy        is not conserved in this scene: its error is the " // &
+                                       "distance from the reference, and there are no long runs", &
                                              error)
       doubt = larger(median(study%reference%angle), median(study%reference%momentum))
       if (any(tolerances < doubt)) call put(file, "doubt         errors below " // &
-         brief_number(doubt) // " are within the reference's own", error)
+         brief_number(doubt) // " are within the error of the reference", error)
       call put_choices(file, study, tolerances, of_both, error)
       if (size(study%rivals) > 0) call put_rivals(file, study, tolerances, error)
       call put_curves(file, study, error)
@@ -232,8 +230,8 @@ contains
    function spread_text(spread) result(text)
       real(dp), intent(in) :: spread
       character(:), allocatable :: text
-      text = "turned by up to " // brief_number(spread) // " rad, each its own way"
-      if (spread > 3.2_dp) text = "of any direction, uniform"
+      text = "rotated from them by up to " // brief_number(spread) // " rad, at random"
+      if (spread > 3.2_dp) text = "in any direction, uniformly distributed"
    end function spread_text
 
    !> Tolerances against candidates.
@@ -298,7 +296,7 @@ contains
       call rival_names(study%rivals, names)
       call put(file, "", error)
       call put(file, &
-         "time of others over that of our cheapest, at equal error (-: it does not come so far)", &
+         "time of others over that of our cheapest, at equal error (-: error not reached)", &
          error)
       line = "tolerance"
       do i = 1, size(tolerances)
@@ -340,11 +338,11 @@ contains
       integer :: i, k, points
       call put(file, "", error)
       if (size(study%candidates) > few) call put(file, &
-         "the exact rotation in every splitting, and who is on " // &
-         "the frontier; all of them are in cost.csv", error)
+         "the exact rotation in every splitting, and the candidates on " // &
+         "the frontier; cost.csv has all", error)
       call put(file, &
-         "order, slope shown, least median errors; ns of a body-step in an ensemble, their " // &
-               "spread, and of a body alone", error)
+         "order, slope shown, least median errors; ns per body-step in an ensemble, their " // &
+               "spread, and for a single body", error)
       write (line, "(a30, 2a6, 3a10, a10, a9, a12)") "method + splitting", "order", "slope", &
          "attitude", "momentum", "energy", "ns", "spread", "ns alone"
       call put(file, trim(line), error)
@@ -363,7 +361,7 @@ contains
          end do
          if (points == 0) then
             write (line, "(a30, i6, a)") label_of(study%candidates(i)), study%candidates(i)%order, &
-               "  no step was short enough"
+               "  no step size was small enough"
          else
             slope = slope_of(study%points, i)
             associate (p => study%points(points))

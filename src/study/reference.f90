@@ -268,8 +268,8 @@ contains
          last = table
       end do
       if (steps == 0) call raise(error, poinsot_e_convergence, &
-         "no reference: the scene's bodies do not " // &
-                                 "come through with any step that the budget allows")
+         "no reference: the scene's bodies " // &
+                                 "fail with every step size that the budget allows")
    end subroutine refine
 
    !> How many columns of a row are filled.
