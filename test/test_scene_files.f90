@@ -332,7 +332,7 @@ contains
       call empty_folder("hint")
       call put_text(output // "hint/restart.txt", "mine")
       call run_text(quiet, "hint", failure, report=report, watch=watch)
-      call refused(error, failure, poinsot_e_io, "no earlier run wrote it")
+      call refused(error, failure, poinsot_e_io, "not written by an earlier run")
       call still_mine(error, output // "hint/restart.txt")
    end subroutine test_restart_hint
 
@@ -399,8 +399,8 @@ contains
       call run_scene(scene, output // "noise", watch, report, failure)
       call accepted(error, failure)
       call get_text(output // "noise/summary.txt", text)
-      call expect(error, index(text, "momenta               are those at ends of steps, which " // &
-         "baoab leaves cold") > 0 .and. index(text, "noise  ") == 0, text)
+      call expect(error, index(text, "momenta               are those at ends of steps, where " // &
+         "with baoab they are too cold") > 0 .and. index(text, "noise  ") == 0, text)
       scene%chosen = "exact + baoab"
       call run_scene(scene, output // "noise", watch, report, failure)
       call get_text(output // "noise/summary.txt", text)

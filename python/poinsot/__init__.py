@@ -1,7 +1,7 @@
 """Rotation of rigid bodies: exact free motion, torques by splitting, scenes.
 
 Momenta y have the shape (n, 3), or (3,) for one body, attitudes q (n, 4) or (4,): unit quaternions, scalar first, body to
-space. Calls that turn bodies do it in the caller's arrays. Classes of bodies are counted from 0.
+space. Bodies are advanced in place, in the caller's arrays. Body classes are numbered from 0.
 """
 from . import elliptic, quaternion
 from ._body import Body

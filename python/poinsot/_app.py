@@ -21,7 +21,7 @@ def app() -> str:
     """The app's file."""
     name = os.environ.get("POINSOT_APP") or package_file("bin/poinsot")
     if name is None:
-        raise FileNotFoundError("the app is not in the package; name it in the environment variable POINSOT_APP")
+        raise FileNotFoundError("the package contains no app; set the environment variable POINSOT_APP to its file")
     return os.fspath(name)
 
 

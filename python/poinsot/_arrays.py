@@ -55,7 +55,7 @@ def state(y: np.ndarray, q: np.ndarray, momenta: int = 3, contiguous: bool = Fal
     """Momenta and attitudes, checked against each other."""
     first, second = InPlace("y", y, momenta, contiguous), InPlace("q", q, 4, contiguous)
     if first.single != second.single:
-        raise ValueError(f"y of shape {y.shape} and q of shape {q.shape}: one of one body, the other of several")
+        raise ValueError(f"y of shape {y.shape} and q of shape {q.shape}: one has one body, the other several")
     if np.may_share_memory(y, q) and np.shares_memory(y, q):
         raise ValueError("y and q overlap in memory")
     return first, second
@@ -64,7 +64,7 @@ def state(y: np.ndarray, q: np.ndarray, momenta: int = 3, contiguous: bool = Fal
 def same_length(y: InPlace, q: InPlace) -> int:
     """How many bodies."""
     if len(y) != len(q):
-        raise ValueError(f"y has {len(y)} rows and q has {len(q)}: a row of each for every body")
+        raise ValueError(f"y has {len(y)} rows and q has {len(q)}: they must have one row per body")
     return len(y)
 
 

@@ -1,4 +1,4 @@
-"""One kind of body, and its free rotation."""
+"""Bodies with the same moments, and their free rotation."""
 from __future__ import annotations
 
 import ctypes as c
@@ -18,7 +18,7 @@ def _destroy(handle: c.c_void_p) -> None:
 
 
 class Body:
-    """A kind of body, from its principal moments of inertia.
+    """A rigid body, given by its principal moments of inertia.
 
     >>> book = Body([0.376, 0.627, 1.0])
     >>> y, q = np.array([0.0, 0.6, -0.8]), np.array([1.0, 0.0, 0.0, 0.0])
@@ -36,11 +36,11 @@ class Body:
     moments : numpy.ndarray, shape (3,)
         About the axes that y and q refer to.
     axes : numpy.ndarray, shape (3, 3)
-        These axes as columns, in the frame that the body was given in: the identity, but for `from_tensor` and `from_points`.
+        These axes as columns, in the frame that the body was given in: the identity, except after `from_tensor` and `from_points`.
     centre : numpy.ndarray, shape (3,)
-        The centre of mass in that frame: zero, but for `from_points`.
+        The centre of mass in that frame: zero, except after `from_points`.
     mass : float or None
-        All of it, if the body is one `from_points`.
+        The total mass, after `from_points`.
     """
 
     moments: np.ndarray
@@ -78,7 +78,7 @@ class Body:
         masses = read("mass", mass, points.shape[:1])
         points = read("x", points, (len(masses), 3))
         if not len(masses):
-            raise ValueError("a body has at least one point")
+            raise ValueError("a body needs at least one point")
         centre, tensor = np.empty(3), np.empty((3, 3))
         status = library.poinsot_inertia_of_points(len(masses), masses.ctypes.data, points.ctypes.data, centre.ctypes.data,
                                                    tensor.ctypes.data)
@@ -113,7 +113,7 @@ class Body:
 
     def rotate(self, y: np.ndarray, q: np.ndarray, h: float, steps: int = 1, method: str = "exact", *,
                status: Optional[np.ndarray] = None) -> tuple[np.ndarray, np.ndarray]:
-        """Turn n bodies of this kind freely, in place: `steps` steps of length `h`.
+        """Advance n such bodies by free rotation, in place: `steps` steps of size `h`.
 
         Parameters
         ----------
@@ -122,9 +122,9 @@ class Body:
         q : numpy.ndarray of float64, shape (4,) or (n, 4)
             Attitudes: unit quaternions, scalar first, body to space.
         h : float
-            Length of a step, of either sign.
+            Step size, of either sign.
         steps : int
-            How many.
+            Number of steps.
         method : str
             One of poinsot.methods().
         status : numpy.ndarray of int32, shape (n,), optional
@@ -133,12 +133,12 @@ class Body:
         Returns
         -------
         (y, q)
-            The same two arrays. Arrays that are not contiguous are worked on in a copy, which is brought back.
+            The same two arrays. Arrays that are not contiguous are copied, and the result is copied back.
 
         Raises
         ------
         poinsot.Error
-            If the call, or some bodies (Status.PARTIAL), failed. These have kept their states.
+            If the call failed, or some bodies did (Status.PARTIAL). Those keep their states.
         """
         momenta, attitudes = state(y, q, contiguous=True)
         n = same_length(momenta, attitudes)

@@ -47,7 +47,7 @@ def _outer(shapes: dict[str, Shape]) -> Shape:
     try:
         return np.broadcast_shapes(*shapes.values())
     except ValueError:
-        raise ValueError("the elements do not go together: "
+        raise ValueError("the shapes cannot be broadcast: "
                          + ", ".join(f"{shape} of {name}" for name, shape in shapes.items())) from None
 
 

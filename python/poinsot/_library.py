@@ -17,7 +17,7 @@ text = c.c_char_p
 
 
 class Status(enum.IntEnum):
-    """What a call of the library answers, and what it says of one body: the POINSOT_E_... of poinsot.h."""
+    """Status of a call or of one body: the POINSOT_E_... of poinsot.h."""
 
     OK = 0
     NULL = 1
@@ -38,17 +38,17 @@ class Status(enum.IntEnum):
 
 
 class Error(Exception):
-    """The library, or the app, says no; the text of the exception is its sentence.
+    """An error of the library or the app; the text of the exception is its message.
 
     Attributes
     ----------
     status : Status
         What went wrong.
     each : numpy.ndarray or None
-        With Status.PARTIAL, the status of each body. The bodies with 0 went on as if nothing had happened; the others have
-        the state that they had before the call.
+        With Status.PARTIAL, the status of each body. Bodies with status 0 are unaffected; the others keep
+        their state from before the call.
     result
-        What there is nevertheless: values with NaN for the elements without an answer, a run whose error is too large.
+        A result that exists nevertheless: values with NaN for the elements without a result, a run whose error is too large.
     """
 
     def __init__(self, status: int, message: str, each: Optional[np.ndarray] = None, result: Any = None) -> None:
@@ -142,7 +142,7 @@ def _load() -> c.CDLL:
     """The library. The package's own is asked for by one without code that needs it: so the loader chooses the level."""
     name = os.environ.get("POINSOT_LIBRARY") or package_file("lib/libpoinsot_any.so", "lib/libpoinsot*.so.*", "lib/libpoinsot*.dylib")
     if name is None:
-        raise ImportError("poinsot: the package has no library in it; install it by pip, or name a libpoinsot.so in the "
+        raise ImportError("poinsot: the package contains no library; install it with pip, or name a libpoinsot.so in the "
                           "environment variable POINSOT_LIBRARY")
     found = c.CDLL(os.fspath(name))
     for function, (result, *arguments) in _signatures.items():
@@ -209,12 +209,12 @@ def version() -> str:
 
 
 def has_feature(name: str) -> bool:
-    """Has this build a feature: "openmp", "avx2", "avx512", ..."""
+    """Whether this build has a feature: "openmp", "avx2", "avx512", ..."""
     return bool(library.poinsot_has_feature(name.encode()))
 
 
 def splitting_flows(name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients of a splitting for a program that kicks and drifts itself: (kick, drift), in units of the step.
+    """Coefficients of a splitting, for programs that run the steps themselves: (kick, drift), in units of the step size.
 
     One step of length h is, for every i, a kick over kick[i] h, then a drift over drift[i] h; zeros are left out.
     """

@@ -1,4 +1,4 @@
-"""Many bodies of several kinds, with torques."""
+"""Many bodies of several classes, with torques."""
 from __future__ import annotations
 
 import ctypes as c
@@ -33,7 +33,7 @@ class _View(NamedTuple):
 
 
 class Plan:
-    """What does not change from step to step: kinds of bodies, method, splitting, effects, layout.
+    """What stays the same from step to step: body classes, method, splitting, effects, layout.
 
     >>> top = Plan(splitting="srkn6")
     >>> top.add_class([0.6, 0.8, 1.0])
@@ -44,7 +44,7 @@ class Plan:
     >>> y.round(8)
     array([ 1.92257338,  0.77202323, -0.20110548])
 
-    The first call on bodies closes the plan: it is checked, takes no change any more, and may be shared by threads.
+    The first call on bodies makes the plan ready: it is checked, cannot be changed any more, and may be shared by threads.
 
     Parameters
     ----------
@@ -54,11 +54,11 @@ class Plan:
         What y means, and in which frame torques are: "native" (angular momentum, body frame), "lammps" (angular momentum,
         space frame), "dl_poly" (angular velocity, body frame), "hoomd" (conjugate momentum, four components).
     threads : int, optional
-        How many; 0 is as many as OpenMP says. Without it, one, and as many as OpenMP says for calls that last 20 ms or more.
+        Number of threads; 0 is OpenMP's number. Without it, one, and OpenMP's number for calls that last 20 ms or more.
         Results do not depend on it.
     momentum, frame : str, optional
-        Over the layout's own: "body-momentum", "space-momentum", "body-velocity", "space-velocity", "conjugate-momentum"; and
-        the frame of torques, "body" or "space".
+        Override those of the layout: "body-momentum", "space-momentum", "body-velocity", "space-velocity" or
+        "conjugate-momentum"; and the frame of torques, "body" or "space".
     seed : int, optional
         Of random numbers.
     order : str
@@ -68,22 +68,22 @@ class Plan:
 
     Bodies
     ------
-    Every call on bodies takes `y`, float64 of shape (3,) or (n, 3), (4,) or (n, 4) for a conjugate momentum, and `q`, float64
-    of shape (4,) or (n, 4). Views with strides are taken as they are: ``y = particles[:, 0:3]``, or Fortran order. Further,
-    all by keyword:
+    Every call on bodies has arguments `y`, float64 of shape (3,) or (n, 3), (4,) or (n, 4) for a conjugate momentum, and
+    `q`, float64 of shape (4,) or (n, 4). Strided views are accepted: ``y = particles[:, 0:3]``, or Fortran order.
+    Optional keyword arguments:
 
     body_class : integers, shape (n,)
         The class of each body; without it, all are of class 0. Bodies of a negative class are skipped.
     id : integers, shape (n,)
-        Numbers of the random streams; without it, the position.
+        Number of each body for its random numbers; without it, the position.
     carry : numpy.ndarray of float64, shape (n, 7)
-        Compensated sums, zero at the start, kept by the caller from call to call.
+        Low-order parts of compensated sums, zero at the start, kept by the caller from call to call.
     scale : numbers, shape (n,)
         Moments of each body over those of its class.
     moments : numbers, shape (n, 3)
-        Or moments of its own for each body.
+        Or the moments of each body.
     y_at, q_at : integers, shape (n,)
-        The rows of y and of q that belong to each body; without them, body i is row i. All else goes by bodies.
+        The rows of y and of q that belong to each body; without them, body i is row i. All other arrays are indexed by body.
     status : numpy.ndarray of int32, shape (n,)
         Receives the status of each body; bodies that fail then raise no exception.
     """
@@ -112,18 +112,18 @@ class Plan:
     # ---- what is in it ---------------------------------------------------------------------------------------------------
 
     def add_class(self, moments: ArrayLike) -> int:
-        """Add a kind of body by its principal moments, in any order; its number, from 0."""
+        """Add a body class by its principal moments, in any order; returns its number, from 0."""
         return self._add("plan_add_class", read("moments", moments, (3,)).copy())
 
     def add_class_tensor(self, tensor: ArrayLike) -> int:
-        """Add a kind of body by its inertia tensor, shape (3, 3). y, q and torques of its bodies refer to the tensor's frame."""
+        """Add a body class by its inertia tensor, shape (3, 3). y, q and torques of its bodies refer to the tensor's frame."""
         return self._add("plan_add_class_tensor", read("tensor", tensor, (3, 3)).copy())
 
     def find_class(self, moments: ArrayLike, tolerance: float = 1e-6) -> int:
         """The number of the class whose moments are nearest to these, axis by axis, or of a new one.
 
-        None is taken that is further off than `tolerance` times the largest moment; of several the first. For moments that
-        were computed from coordinates, where every molecule of water has others. Classes made from tensors are left out.
+        Only classes within `tolerance` times the largest moment count; of several the first is used. For moments computed from
+        coordinates, which differ slightly for every water molecule. Classes made from tensors are not considered.
         """
         return self._add("plan_find_class", read("moments", moments, (3,)).copy(), float(tolerance))
 
@@ -135,12 +135,12 @@ class Plan:
         return axes
 
     def add_effect(self, name: str, *, body_class: Optional[int] = None, **keys: Any) -> None:
-        """Add an effect by name (poinsot.effects()) with its keys, which `poinsot effects NAME` explains: numbers, arrays, texts.
+        """Add an effect by name (poinsot.effects()) with its keys, which `poinsot effects NAME` explains: numbers, arrays, strings.
 
-        `body_class` is the class that it acts on, from 0; without it, all.
+        `body_class` is the class that it acts on, from 0; without it, it acts on all.
         """
         if "class" in keys:
-            raise TypeError("the class that an effect acts on is body_class, counted from 0")
+            raise TypeError("give the class that an effect acts on as body_class, from 0")
         if body_class is not None:
             keys["class"] = operator.index(body_class) + 1
             if keys["class"] < 1:
@@ -148,7 +148,7 @@ class Plan:
         self._do("plan_add_effect", name.encode(), settings_text(keys).encode())
 
     def ready(self) -> Plan:
-        """Close the plan now, and have it checked. The first call on bodies does the same."""
+        """Check the plan and make it ready now. The first call on bodies does the same."""
         with self._lock:
             if not self._ready:
                 self._check(library.poinsot_plan_ready(self._one))
@@ -163,7 +163,8 @@ class Plan:
     def _do(self, function: str, *arguments: Any, record: Optional[tuple[Any, ...]] = None) -> None:
         """Call a function that changes the plan, and remember it for a copy of the plan: with these arguments, or with others."""
         if self._ready:
-            raise Error(Status.DOMAIN, "the plan is closed: classes, effects and options are set before the first call on bodies")
+            raise Error(Status.DOMAIN, "the plan is ready and cannot be changed: set classes, effects and options before the first "
+                                       "call on bodies")
         self._check(_call(function, self._one, arguments))
         self._record.append((function, *(arguments if record is None else record)))
 
@@ -181,9 +182,9 @@ class Plan:
         return self._change("drift", y, q, bodies, 1, h)
 
     def dissipate(self, y: np.ndarray, q: np.ndarray, h: float, step: int, **bodies: Any) -> tuple[np.ndarray, np.ndarray]:
-        """What the plan's drag and thermostats do within step number `step` of length h, in place; returns (y, q).
+        """Apply the plan's drag and thermostats over h, as in step number `step`, in place; returns (y, q).
 
-        Between two drifts of h/2 it makes the step of splitting "baoab", to the bit.
+        Between two drifts of h/2 it is bitwise what the splitting "baoab" does.
         """
         return self._change("dissipate", y, q, bodies, 1, h, step)
 
@@ -199,20 +200,20 @@ class Plan:
 
     def step(self, y: np.ndarray, q: np.ndarray, h: float, steps: int = 1, t: float = 0.0, first: int = 0,
              torque: Optional[Torque] = None, **bodies: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Steps of length h by the plan's splitting, with its effects and the torque, in place; returns (y, q).
+        """Take steps of size h by the plan's splitting, with its effects and the torque, in place; returns (y, q).
 
         Parameters
         ----------
         steps : int
-            How many.
+            Number of steps.
         t : float
             Step k begins at t + k h.
         first : int
-            Number of the first step. It numbers the random numbers, too: go on with first + steps.
+            Number of the first step. It also selects the random numbers: continue with first + steps.
         torque : function, optional
             torque(t, q) returns the torques of all bodies at time t, shape (n, 3), in the frame of the layout; q has the shape
             (n, 4). With y and q of one body, (3,) and (4,), it gets a q of shape (4,) and returns three numbers. An exception in
-            it, or Ctrl-C, stops the steps: all bodies then have their states of before the step that was stopped.
+            it, or Ctrl-C, stops the steps: all bodies then have their states from before the interrupted step.
         """
         count, number = operator.index(steps), operator.index(first)
         if torque is None:
@@ -243,7 +244,7 @@ class Plan:
         return momenta[0] if view.y.single else momenta
 
     def degrees_of_freedom(self, y: ArrayLike, q: ArrayLike, **bodies: Any) -> int:
-        """Rotational degrees of freedom of all bodies: 3 of each, 2 of a linear one."""
+        """Rotational degrees of freedom of all bodies: 3 each, 2 for a linear one."""
         view = self._look(y, q, bodies)
         count = c.c_size_t()
         self._check_bodies(library.poinsot_degrees_of_freedom(self._one, view.bodies, c.byref(count)), view)
@@ -264,7 +265,7 @@ class Plan:
         bodies.status = each.ctypes.data
         kept = [self._given(bodies, name, given.pop(name), n) for name in list(given) if name in _members]
         if given:
-            raise TypeError(f"no argument of bodies is called '{next(iter(given))}'; there are {', '.join(_members)} and status")
+            raise TypeError(f"unknown argument '{next(iter(given))}'; allowed are {', '.join(_members)} and status")
         return _View(bodies, momenta, attitudes, n, each, each_given, tuple(kept))
 
     @staticmethod

@@ -21,7 +21,7 @@ _Result = TypeVar("_Result")
 
 
 class Table(dict):  # type: ignore[type-arg]
-    """Labels and values that the app printed; numbers as numbers, several as an array. `str` gives the text as it stands."""
+    """Labels and values printed by the app; numbers as numbers, several as an array. `str` gives the text as printed."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -36,7 +36,7 @@ class Table(dict):  # type: ignore[type-arg]
 
 @dataclass(frozen=True)
 class Run:
-    """What poinsot.run gives. Arrays go by output, then by body."""
+    """Result of poinsot.run. Arrays are indexed by output, then by body."""
 
     t: np.ndarray  #: (outputs,) times
     q: np.ndarray  #: (outputs, bodies, 4) attitudes, scalar first
@@ -45,7 +45,7 @@ class Run:
     potential: np.ndarray  #: (outputs, bodies)
     energy: np.ndarray  #: (outputs, bodies) the sum of both
     body: np.ndarray  #: (bodies,) their numbers in the scene, from 0
-    summary: Table  #: what the run says of itself: summary["method"], print(summary)
+    summary: Table  #: the run's summary: summary["method"], print(summary)
     folder: Optional[Path] = None  #: where its files are, if `out` was given
 
     def __repr__(self) -> str:
@@ -54,7 +54,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Cost:
-    """What poinsot.cost gives."""
+    """Result of poinsot.cost."""
 
     points: np.ndarray  #: a row for each method, splitting and step: points["h"], points["momentum_median"], points["ns_per_time"]
     text: str = field(repr=False)  #: the app's own table
@@ -62,12 +62,12 @@ class Cost:
 
     @property
     def error(self) -> np.ndarray:
-        """Median error of each point: the larger of attitude (radians) and momentum (over its size)."""
+        """Median error of each point: the larger of attitude (radians) and relative momentum."""
         larger: np.ndarray = np.maximum(self.points["angle_median"], self.points["momentum_median"])
         return larger
 
     def cheapest(self, tolerance: float) -> Optional[np.void]:
-        """The row that keeps a tolerance in the least time; None if there is none."""
+        """The row that meets a tolerance in the shortest time; None if there is none."""
         rows = self.points[(self.points["good"] == 1) & (self.error <= tolerance) & (self.points["ns_per_time"] > 0)]
         return rows[rows["ns_per_time"].argmin()] if len(rows) else None
 
@@ -76,9 +76,9 @@ class Cost:
 
 
 class Choice(Table):
-    """What poinsot.choose gives: choice["method"], choice["splitting"], choice["step h"], choice["error"], ..."""
+    """Result of poinsot.choose: choice["method"], choice["splitting"], choice["step h"], choice["error"], ..."""
 
-    scene: str  #: the scene with all of it filled in, for poinsot.run
+    scene: str  #: the scene with the choice filled in, for poinsot.run
 
 
 def run(scene: Scene, *, out: Optional[PathLike] = None, set: Settings = None, threads: Optional[int] = None,
@@ -90,16 +90,16 @@ def run(scene: Scene, *, out: Optional[PathLike] = None, set: Settings = None, t
     scene : str, path or dict
         The name of a shipped scene, a file, the text of a namelist, or a dict of its groups:
         ``{"scene": {"t_end": 40, "h": 0.01}, "bodies": {"moments": [1, 2, 2.5], "y": [0, 1, 1]}, "output": {"every": 0.1}}``.
-        A group that stands several times is a list of dicts. docs/scenes.md explains every key. Files that a text or a dict
-        names are looked for from a folder of its own: give whole paths.
+        A repeated group is a list of dicts. docs/scenes.md explains every key. In a text or a dict, give absolute paths of
+        files.
     out : path, optional
-        Keep the run's files here; without it they go when they have been read.
+        Keep the run's files here; without it they are removed after reading.
     set : dict, optional
-        Settings over the scene's own: ``{"scene.h": 0.05, "bodies(2).y": [0, 0, 1]}``.
+        Settings that override the scene's own: ``{"scene.h": 0.05, "bodies(2).y": [0, 0, 1]}``.
     threads : int, optional
-        How many.
+        Number of threads.
     pictures : bool
-        Have gnuplot draw, into `out`.
+        Draw pictures with gnuplot, into `out`.
 
     Returns
     -------
@@ -109,7 +109,7 @@ def run(scene: Scene, *, out: Optional[PathLike] = None, set: Settings = None, t
     Raises
     ------
     poinsot.Error
-        With the app's sentence. If the run is whole but its error is larger than the scene allows, it is in .result.
+        With the app's message. If the run is complete but its error exceeds the scene's tolerance, it is in .result.
     """
     with _folders(scene, out) as (name, here, results):
         arguments = ["run", name, "--out", str(results), "--quiet", *_settings(set)]
@@ -127,20 +127,20 @@ def run(scene: Scene, *, out: Optional[PathLike] = None, set: Settings = None, t
 def cost(scene: Scene, *, out: Optional[PathLike] = None, set: Settings = None, budget: str = "20s",
          methods: Optional[Iterable[str]] = None, splittings: Optional[Iterable[str]] = None,
          tol: Optional[Iterable[float]] = None, states: Optional[int] = None, pictures: bool = False) -> Cost:
-    """Measure what accuracy costs in time on a scene: every method in every splitting over a range of steps.
+    """Measure what accuracy costs in time on a scene: every method in every splitting over a range of step sizes.
 
     Parameters
     ----------
     scene, out, set, pictures
         As in `run`.
     budget : str
-        All of it takes no longer: "20s", "2m".
-    methods, splittings : texts
-        These only.
+        Limit for the whole study: "20s", "2m".
+    methods, splittings : strings
+        Only these.
     tol : numbers
         Tolerances of the app's table.
     states : int
-        Initial states: the scene's own and others like it.
+        Number of initial states: the scene's own and similar ones.
     """
     with _folders(scene, out) as (name, here, results):
         arguments = ["cost", name, "--out", str(results), "--quiet", "--budget", budget, *_settings(set)]
@@ -160,23 +160,23 @@ def cost(scene: Scene, *, out: Optional[PathLike] = None, set: Settings = None, 
 
 def choose(scene: Scene, tol: Optional[float] = None, *, set: Settings = None, budget: str = "20s",
            methods: Optional[Iterable[str]] = None, splittings: Optional[Iterable[str]] = None) -> Choice:
-    """The cheapest method, splitting and step that meet a tolerance at the end of a scene, on this machine.
+    """Find the cheapest method, splitting and step size that meet a tolerance at the end of a scene, on this machine.
 
     Parameters
     ----------
     scene, set
         As in `run`.
     tol : float
-        Of the attitude in radians, of the momentum over its size; without it, the scene's own.
+        For the attitude in radians and the relative momentum; without it, the scene's own.
     budget : str
-        All of it takes no longer: "20s", "2m".
-    methods, splittings : texts
-        Among these only.
+        Limit of processor time: "20s", "2m".
+    methods, splittings : strings
+        Only these.
 
     Raises
     ------
     poinsot.Error
-        If nothing keeps the tolerance; the nearest is then in .result, where there is one.
+        If nothing meets the tolerance; the nearest candidate, if any, is then in .result.
     """
     with _folders(scene, None) as (name, here, results):
         chosen = Path(results, "chosen.nml")

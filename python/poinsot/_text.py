@@ -10,7 +10,7 @@ _LONGEST = 65535  #: characters of a text that the library reads
 
 
 def value_text(value: Any) -> str:
-    """A number, a text, a truth value, or an array of them, as a namelist has it. Every double reads back to its bits."""
+    """A number, a string, a bool, or an array of these, in namelist syntax. Every double is read back exactly."""
     if isinstance(value, str):
         return "'" + value.replace("'", "''") + "'"
     if isinstance(value, (bool, np.bool_)):
@@ -21,17 +21,17 @@ def value_text(value: Any) -> str:
         return repr(float(value))
     if isinstance(value, (Iterable, np.ndarray)):
         return ", ".join(value_text(v) for v in (value.ravel().tolist() if isinstance(value, np.ndarray) else value))
-    raise TypeError(f"{value!r} is neither a number, a text, a truth value nor an array of them")
+    raise TypeError(f"{value!r} is not a number, a string, a bool or an array of these")
 
 
 def settings_text(keys: Mapping[str, Any]) -> str:
     """Keys and values of an effect in one text."""
     for key, value in keys.items():
         if isinstance(value, str) and set(value) & set(";'"):
-            raise ValueError(f"{key} = {value!r}: a text of an effect has neither quotes nor semicolons")
+            raise ValueError(f"{key} = {value!r}: strings of an effect must not contain quotes or semicolons")
     text = "; ".join(f"{key} = {value_text(value)}" for key, value in keys.items() if value is not None)
     if len(text) > _LONGEST:
-        raise ValueError(f"the settings of this effect are a text of {len(text)} characters; the library reads {_LONGEST}")
+        raise ValueError(f"the settings of this effect have {len(text)} characters; at most {_LONGEST} are allowed")
     return text
 
 

@@ -1,8 +1,8 @@
-"""Elliptic functions and integrals of arrays, within a few units in the last place for every modulus.
+"""Elliptic functions and integrals of arrays, accurate to a few ULP for every modulus.
 
-The parameter is m = k^2, from 0 to 1; m1 = 1 - m is for who knows it better than 1 - m, near m = 1. nu stands in
-1 - nu sin^2. Arguments are broadcast against each other; numbers give numbers. An element out of its domain is NaN in the
-arrays, and the call raises poinsot.Error, whose `result` has them: the other elements are right.
+The parameter is m = k^2, from 0 to 1; pass m1 = 1 - m if you know it more accurately than 1 - m gives, near m = 1. nu is the one in
+1 - nu sin^2. Arguments are broadcast against each other; numbers give numbers. An element outside the domain is NaN in the
+arrays, and the call raises poinsot.Error, whose `result` has them: the other elements are valid.
 
 >>> print(k(0.5).round(12))
 1.854074677301

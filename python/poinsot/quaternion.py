@@ -35,7 +35,7 @@ def multiply(p: ArrayLike, q: ArrayLike) -> np.ndarray:
 
 
 def conjugate(q: ArrayLike) -> np.ndarray:
-    """The vector part with the other sign; of an attitude the way back."""
+    """The conjugate, with the sign of the vector part changed; of an attitude, the inverse rotation."""
     return _of_quaternions("conjugate", q, _finite)
 
 
@@ -50,7 +50,7 @@ def normalize(q: ArrayLike) -> np.ndarray:
 
 
 def exp(q: ArrayLike) -> np.ndarray:
-    """The exponential; exp((0, v)) is the turn by 2 |v| about v."""
+    """The exponential; exp((0, v)) is the rotation by 2 |v| about v."""
     return _of_quaternions("exp", q, "the scalar part is at most 709.78, and all must be finite")
 
 
@@ -60,12 +60,12 @@ def log(q: ArrayLike) -> np.ndarray:
 
 
 def rotate(q: ArrayLike, v: ArrayLike) -> np.ndarray:
-    """Q v: a vector of the body frame as the space frame has it."""
+    """Q v: a body-frame vector in the space frame."""
     return _call("rotate", {"q": (q, QUATERNION), "v": (v, VECTOR)}, VECTOR, _unit + ", v finite")
 
 
 def rotate_back(q: ArrayLike, v: ArrayLike) -> np.ndarray:
-    """Q^T v: a vector of the space frame as the body frame has it."""
+    """Q^T v: a space-frame vector in the body frame."""
     return _call("rotate_back", {"q": (q, QUATERNION), "v": (v, VECTOR)}, VECTOR, _unit + ", v finite")
 
 
@@ -75,28 +75,28 @@ def to_matrix(q: ArrayLike) -> np.ndarray:
 
 
 def from_matrix(m: ArrayLike) -> np.ndarray:
-    """The attitude of a rotation matrix, right to 4e-6; its scalar part is not negative."""
+    """The attitude of a rotation matrix, which must be one to 4e-6; its scalar part is not negative."""
     return _call("from_matrix", {"m": (m, MATRIX)}, QUATERNION,
                            "m must be a rotation, to 4e-6, with determinant +1; `nearest` takes others")
 
 
 def nearest(m: ArrayLike) -> np.ndarray:
-    """The rotation nearest to any matrix that has one, by least squares; its scalar part is not negative."""
+    """The rotation nearest to a matrix in the least-squares sense, if it is unique; its scalar part is not negative."""
     return _call("nearest", {"m": (m, MATRIX)}, QUATERNION, "m has no nearest rotation, or several")
 
 
 def from_rotation_vector(v: ArrayLike) -> np.ndarray:
-    """The attitude of a turn by |v| about v."""
+    """The attitude of the rotation by |v| about v."""
     return _call("from_rotation_vector", {"v": (v, VECTOR)}, QUATERNION, "v must be finite")
 
 
 def to_rotation_vector(q: ArrayLike) -> np.ndarray:
-    """Angle times axis, at most pi long."""
+    """Angle times axis, of length at most pi."""
     return _from_attitude("to_rotation_vector", q, VECTOR)
 
 
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> np.ndarray:
-    """The attitude of a turn by an angle about an axis, of any length but 0."""
+    """The attitude of the rotation by an angle about an axis of any non-zero length."""
     return _call("from_axis_angle", {"axis": (axis, VECTOR), "angle": (angle, NUMBER)}, QUATERNION,
                            "the axis must be finite and not zero, and the angle finite")
 
@@ -113,12 +113,12 @@ def from_cayley(e: ArrayLike) -> np.ndarray:
 
 
 def to_cayley(q: ArrayLike) -> np.ndarray:
-    """The Cayley vector tan(angle/2) times axis. A half-turn has none."""
+    """The Cayley vector tan(angle/2) times axis; undefined for a half-turn."""
     return _from_attitude("to_cayley", q, VECTOR, "; a half-turn has no Cayley vector")
 
 
 def from_euler(convention: str, angles: ArrayLike) -> np.ndarray:
-    """The attitude of Euler angles about moving axes, q = q_1(a1) o q_2(a2) o q_3(a3), about the axes that `convention` names.
+    """The attitude of intrinsic Euler angles, q = q_1(a1) o q_2(a2) o q_3(a3), about the axes that `convention` names.
 
     "xyz", "xzy", "yxz", "yzx", "zxy", "zyx", "xyx", "xzx", "yxy", "yzy", "zxz", "zyz"
     """
@@ -133,24 +133,24 @@ def to_euler(convention: str, q: ArrayLike) -> np.ndarray:
 
 
 def slerp(p: ArrayLike, q: ArrayLike, t: ArrayLike) -> np.ndarray:
-    """The constant turn from p (t = 0) to q (t = 1), the shorter way round; beyond, it goes on."""
+    """Spherical interpolation from p (t = 0) to q (t = 1) by the shorter arc; extrapolates outside [0, 1]."""
     return _call("slerp", {"p": (p, QUATERNION), "q": (q, QUATERNION), "t": (t, NUMBER)}, QUATERNION,
                            "p and q must be unit quaternions, to 1e-6, and t finite")
 
 
 def shortest_arc(a: ArrayLike, b: ArrayLike) -> np.ndarray:
-    """The smallest turn that takes direction a to direction b; its scalar part is not negative."""
+    """The smallest rotation that takes direction a to direction b; its scalar part is not negative."""
     return _call("shortest_arc", {"a": (a, VECTOR), "b": (b, VECTOR)}, QUATERNION,
                            "a and b must be finite and not zero")
 
 
 def distance(p: ArrayLike, q: ArrayLike) -> Any:
-    """min(|p - q|, |p + q|), of any two quaternions; of attitudes half the angle between them, if that is small."""
+    """min(|p - q|, |p + q|), of any two quaternions; for attitudes, half the angle between them if that is small."""
     return evaluate("quaternion_distance", {"p": (p, QUATERNION), "q": (q, QUATERNION)}, (NUMBER,), _finite)
 
 
 def random(n: Union[int, tuple[int, ...]], seed: int) -> np.ndarray:
-    """Attitudes uniform over all rotations, n of them or an array of that shape: number i is a function of seed and i."""
+    """Uniformly distributed attitudes, n of them or an array of that shape: number i is a function of seed and i."""
     shape = tuple(operator.index(k) for k in (n if isinstance(n, tuple) else (n,)))
     number = operator.index(seed)
     if min(shape, default=0) < 0:
@@ -177,5 +177,5 @@ def _from_attitude(name: str, q: ArrayLike, shape: Shape, more: str = "") -> np.
 
 def _convention(name: str) -> bytes:
     if name not in _conventions:
-        raise Error(Status.METHOD, f"no convention of Euler angles is called {name!r}; there are {', '.join(_conventions)}")
+        raise Error(Status.METHOD, f"unknown convention of Euler angles {name!r}; allowed are {', '.join(_conventions)}")
     return name.encode()

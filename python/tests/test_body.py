@@ -61,7 +61,7 @@ def test_view_writes_into_its_base(crowd):
     (lambda y, q: (np.array([0, 1, 2]), q), TypeError, "int64"),
     (lambda y, q: (y.astype(np.float32), q), TypeError, "float32"),
     (lambda y, q: (y, q[:3]), ValueError, r"\(4,\)"),
-    (lambda y, q: (y[np.newaxis], q), ValueError, "one of one body"),
+    (lambda y, q: (y[np.newaxis], q), ValueError, "one has one body"),
     (lambda y, q: (np.zeros((2, 3)), np.zeros((3, 4))), ValueError, "2 rows"),
     (lambda y, q: (q[:3], q), ValueError, "overlap"),
     (lambda y, q: (np.broadcast_to(y, (2, 3)), np.tile(q, (2, 1))), ValueError, "read-only"),

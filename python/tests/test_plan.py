@@ -341,7 +341,7 @@ def test_a_plan_without_classes():
 
 def test_closed_plan():
     plan = top().ready()
-    with pytest.raises(poinsot.Error, match="closed"):
+    with pytest.raises(poinsot.Error, match="cannot be changed"):
         plan.add_class([1, 1, 1])
     with pytest.raises(TypeError, match="body_clas"):
         plan.drift(*start(), 0.1, body_clas=[0])

@@ -102,7 +102,7 @@ def test_without_an_answer():
     (lambda: quaternion.nearest(np.zeros((3, 3))), "nearest"),
     (lambda: quaternion.from_axis_angle([0, 0, 0], 1), "axis"),
     (lambda: quaternion.shortest_arc([0, 0, 0], [0, 0, 1]), "not zero"),
-    (lambda: quaternion.from_euler("xxz", [0, 0, 0]), "called 'xxz'; there are xyz"),
+    (lambda: quaternion.from_euler("xxz", [0, 0, 0]), "Euler angles 'xxz'; allowed are xyz"),
 ])
 def test_sentences(call, words):
     with pytest.raises(poinsot.Error, match=words):
