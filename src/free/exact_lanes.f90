@@ -86,8 +86,9 @@ contains
          b2 = transfer(moments(l, 2), b2)
          b3 = transfer(moments(l, 3), b3)
          lowest = min(lowest, b1, b2, b3)
-         mask = ior(min(b1, b2, b3) - smallest_bits, largest_bits - max(b1, b2, b3))
-         mask = not(shifta(ior(mask, min(b1, b2, b3)), 63))
+         mask = max(min(b1, b2, b3), 0_i8) - smallest_bits ! 0 in place of what is negative:
+         mask = ior(mask, largest_bits - max(b1, b2, b3, 0_i8)) ! a difference must not overflow
+         mask = not(shifta(mask, 63))
          m1 = choose(mask, moments(l, 1), 1.0_dp)
          m2 = choose(mask, moments(l, 2), 1.0_dp)
          m3 = choose(mask, moments(l, 3), 1.0_dp)
