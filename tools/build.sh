@@ -46,7 +46,14 @@ by_fpm() {
          done
       done
    done
-   build/tools/bin/fpm "$command" --no-prune --compiler "$FC" --c-flag "$(tools/flags.sh c)" --link-flag "$(tools/flags.sh link)" "$@"
+   compiler=$FC
+   case ${FC##*/} in
+   *gfortran*) # flags for single files, which fpm does not know; all is compiled again when they change
+      compiler=build/tools/by_file/${FC##*/}
+      mkdir -p build/tools/by_file && ln -sf ../../../tools/by_file.sh "$compiler"
+      find build -path '*/poinsot/src_*.o' ! -newer tools/by_file.txt -exec rm -f '{}.digest' ';' ;;
+   esac
+   build/tools/bin/fpm "$command" --no-prune --compiler "$compiler" --c-flag "$(tools/flags.sh c)" --link-flag "$(tools/flags.sh link)" "$@"
 }
 
 # configure FOLDER OPTION...: what is built where
