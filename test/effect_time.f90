@@ -236,7 +236,7 @@ contains
       call expect(error, failure%code, poinsot_e_domain, "a rotor too fast")
       call bad("gyrostat", "rotor = 1,2,3; times = 0; table = 1,2,3", "not beside it")
       call bad("gyrostat", "times = 0, 1; table = 1,2,3", "three numbers for each")
-      call bad("torque", "times = 0,1,1,1; table = 1,1,1,1,1,1,1,1,1,1,1,1", "three times")
+      call bad("torque", "times = 0,1,1,1; table = 1,1,1,1,1,1,1,1,1,1,1,1", "more than twice")
       call bad("torque", "times = 0,1,0.5; table = 1,1,1,1,1,1,1,1,1", "must ascend")
       call bad("gravity", "centre = 1,2,3; rate = 1; about = 0,0,0", "about")
    contains

@@ -370,7 +370,7 @@ contains
                        refusal("&output every=1e-12 /", "more than 1e9 outputs"), &
                        refusal("&output every=1 bodies=2 /", "bodies 1 to 1"), &
                        refusal("&output every=1 bodies=1.5 /", "bodies 1 to 1"), &
-                       refusal("&output every=1 restart='a/b' /", "has no /")], &
+                       refusal("&output every=1 restart='a/b' /", "without /")], &
                       good_run // good_body, error)
    end subroutine test_key_refusals
 
@@ -405,8 +405,8 @@ contains
                        refusal("moments=1,1,1 q=1e200,0,0,0 /", "not a unit quaternion"), &
                        refusal("moments=1,1,0 y=0,0,1 /", "about principal axis 3"), &
                        refusal("moments=1,1,1 y=3*1 omega=3*1 /", "both given"), &
-                       refusal("moments=1,1,1 random='thermal' /", "is needed there"), &
-                       refusal("moments=1,1,1 temperature=1 /", "is needed there"), &
+                       refusal("moments=1,1,1 random='thermal' /", "and only there"), &
+                       refusal("moments=1,1,1 temperature=1 /", "and only there"), &
                        refusal("moments=1,1,1 random='uniform' q=1,0,0,0 /", "random attitudes"), &
                        refusal("moments=1,1,1 count=0 /", "not an integer from 1"), &
                        refusal("moments=1,1,1 count=1e300 /", "not an integer from 1")], &

@@ -206,7 +206,7 @@ contains
       call states_refused("q0 q1 q2 q3 y1 y2 y3" // nl // "1 0 0 0 0 0", "bad.csv:2: has 6 columns")
       call states_refused("q0 q1 q2 q3 y1 y2 y3" // nl // "1 0 0 0 0 0 x", """x"", in column y3")
       call states_refused("q0 q1 q2 q3 y1 y2 y3" // nl // nl // "1 0 0 1 0 0 0", &
-         "bad.csv:3: q is not a unit quaternion, its length is off 1 by 4.14E-01")
+         "bad.csv:3: q is not a unit quaternion, its norm differs from 1 by 4.14E-01")
 
    contains
 
@@ -256,7 +256,7 @@ contains
       call expect(error, .not. raised(failure), "the run itself goes on")
       call make_scene(run // hot, scene, failure, on // ";scene.seed=2")
       call run_made(scene, "branch-new", failure)
-      call expect(error, index(failure%message, "reseed = .true. makes a branch") > 0, &
+      call expect(error, index(failure%message, "reseed = .true., which makes a branch") > 0, &
          "another seed unasked: " // failure%message)
       failure = poinsot_error()
       call make_scene(run // hot, scene, failure, on // ";scene.seed=2;scene.reseed=T")
@@ -282,7 +282,7 @@ contains
          "q=1,3*0 euler=3*0", "euler and q are both given", &
          "euler=3*0 axis_angle=1,0,0,0", "axis_angle and euler are both given", &
          "euler=3*0 convention='xxy'", "is not one of: zxz", &
-         "degrees=T", "degrees goes with euler or axis_angle", &
+         "degrees=T", "degrees is for euler or axis_angle", &
          "axis_angle=0,0,0,1", "axis_angle refused", &
          "euler=3*0 random='uniform'", "asks for random attitudes", &
          "y=3*1 y_space=3*1", "y_space and y are both given", &
@@ -302,7 +302,7 @@ contains
       end do
       call one(run // "&bodies moments=1,1,0 random='uniform' y_space=3*1 /", &
          "an axis without inertia")
-      call one("&scene t_end=1 h=0.1 reseed=T /&bodies moments=1,1,1 /", "reseed goes with from")
+      call one("&scene t_end=1 h=0.1 reseed=T /&bodies moments=1,1,1 /", "reseed is for a restart")
       call one(run // "&bodies points='nowhere.txt' /", "cannot be opened")
 
    contains

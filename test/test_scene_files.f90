@@ -521,15 +521,16 @@ contains
       call expect(error, allocated(scene%bodies(1)%note), "no note")
       if (allocated(error)) return
       call expect(error, index(scene%bodies(1)%note, &
-         "test.nml:1: &bodies: q was off unit length by 9.59E-06; used is 0.7071067811865") == 1, &
+         "test.nml:1: &bodies: q was normalised, its norm differed from 1 by 9.59E-06: " // &
+         "0.7071067811865") == 1, &
          scene%bodies(1)%note)
       call taken("moments=1,2,2.5 q=1.0009,0,0,0 /")
       call within(error, scene%bodies(1)%q(1) - 1, 0._dp, "q")
       call taken("moments=1,2,2.5 q=1.0000009,0,0,0 /")
       call expect(error, .not. allocated(scene%bodies(1)%note), "a note of what is used as it is")
       call within(error, scene%bodies(1)%q(1) - 1.0000009_dp, 0._dp, "q as it is")
-      call none("moments=1,2,2.5 q=1.0011,0,0,0 /", "off 1 by 1.10E-03; up to 1e-3 is divided out")
-      call none("moments=1,2,2.5 q=3,0,0,0 /", "off 1 by more than 1;")
+      call none("moments=1,2,2.5 q=1.0011,0,0,0 /", "from 1 by 1.10E-03; up to 1e-3 is normalised")
+      call none("moments=1,2,2.5 q=3,0,0,0 /", "from 1 by more than 1;")
       call taken("moments=0,1,1.00000000001 y=0.9e-6,1,0 /")
       call within(error, scene%bodies(1)%y(1), 0._dp, "momentum where nothing can turn")
       call none("moments=0,1,1 y=1.1e-6,1,0 /", "about principal axis 1")

@@ -105,7 +105,7 @@ contains
       end associate
       call make_scene(text, scene, failure, "field.strength=7,8,9")
       call expect(error, raised(failure), "taken without a number")
-      call expect(error, index(failure%message, "several &field groups; name one, as in &
+      call expect(error, index(failure%message, "several &field groups; select one, as in &
          &field(2).strength") > 0, failure%message)
       failure = poinsot_error()
       call make_scene(text, scene, failure, "field(3).strength=7,8,9")

@@ -31,9 +31,9 @@ module poinsot_core_status
       "ok", &
       "a required pointer is NULL", &
       "a size or a stride does not fit", &
-      "a value is out of its range or not physical", &
+      "a value is out of range or not physical", &
       "unknown method, splitting, effect, layout or option name", &
-      "the step is too long for this method (rotation per step beyond its range)", &
+      "the step is too long for this method (rotation per step beyond its limit)", &
       "an iteration did not converge", &
       "out of memory", &
       "the callback asked to stop", &

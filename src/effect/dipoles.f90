@@ -44,7 +44,7 @@ contains
       row%info%name = dipoles_label%name
       row%info%formula = "U = C sum_(i<j) [m_i.m_j - 3 (m_i.r)(m_j.r)/r^2]/r^3,  m = Q dipole"
       row%info%check = "two head to tail, C = coupling m^2: w^2 = C/(I r^3), 3 C/(I r^3); &
-                   &L along r kept"
+                   &L along r conserved"
       allocate (row%info%keys, source=[ &
                   number_key("dipole", 3, -1, "required", "dipole moment", &
                              "body frame: three numbers for all, or three per body class", &

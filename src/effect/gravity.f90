@@ -37,7 +37,7 @@ contains
       type(effect_row) :: row
       row%info%name = gravity_label%name
       row%info%formula = "U = weight (Q^T up).centre;  torque = weight (Q^T up) x centre"
-      row%info%check = "Lagrange top: steady precession, y3, L_z, H kept; sleeping top; &
+      row%info%check = "Lagrange top: steady precession, y3, L_z, H conserved; sleeping top; &
                    &Kovalevskaya integral"
       allocate (row%info%keys, source=[ &
                   number_key("centre", 3, 3, "required", "length", &

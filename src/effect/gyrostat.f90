@@ -39,7 +39,7 @@ contains
       type(effect_row) :: row
       row%info%name = gyrostat_label%name
       row%info%formula = "T = (y - rotor).I^-1 (y - rotor)/2: changes the drift"
-      row%info%check = "|y| and T kept; a rotor steadies the spin about the middle axis"
+      row%info%check = "|y| and T conserved; a rotor stabilises the spin about the middle axis"
       allocate (row%info%keys, source=[ &
                   number_key("rotor", 3, 3, "required", "angular momentum", &
                   "angular momentum of the internal rotor, body frame; or a table", body_vector, &

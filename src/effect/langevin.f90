@@ -32,8 +32,8 @@ contains
       type(effect_row) :: row
       row%info%name = langevin_label%name
       row%info%formula = "y_i -> c y_i + sqrt(kT I_i (1 - c^2)) xi,  c = exp(-friction_i h/I_i)"
-      row%info%check = "<y_i^2/(2 I_i)> = kT/2 on each axis, every kind of body; baoab: " // &
-         "right after the noise, at ends of steps O(h^2) less"
+      row%info%check = "<y_i^2/(2 I_i)> = kT/2 on each axis, every kind of body; with baoab " // &
+         "right after the noise, O(h^2) less at ends of steps"
       row%info%order = 2
       row%info%gradient = .false.
       allocate (row%info%keys, source=[ &

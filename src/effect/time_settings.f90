@@ -52,8 +52,8 @@ contains
       else if (any(new%times(2:) < new%times(:n - 1))) then
          call raise(error, poinsot_e_domain, who // "key 'times' must ascend")
       else if (any(.not. new%times(3:) > new%times(:n - 2))) then
-         call raise(error, poinsot_e_domain, who // "key 'times' has a time three times; a " // &
-                    "jump has the value before it and the value behind it")
+         call raise(error, poinsot_e_domain, who // "key 'times' has a time more than twice; " // &
+                    "a jump is a time given twice")
       else
          new%values = reshape(values, [3, n])
          new%jumps = any(.not. new%times(2:) > new%times(:n - 1))

@@ -54,14 +54,14 @@ contains
                word_of(group, "random") // "' asks for random attitudes; leave one of them out", &
                error)
          else if (way /= "") then
-            call reject_key(group, trim(ways(i)), "and " // way // " are both given; an attitude " &
-               // "is said once", error)
+            call reject_key(group, trim(ways(i)), "and " // way // " are both given; give the " &
+               // "attitude once", error)
          end if
          if (raised(error)) return
          way = trim(ways(i))
       end do
       if (given(group, "degrees") .and. way /= "euler" .and. way /= "axis_angle") then
-         call reject_key(group, "degrees", "goes with euler or axis_angle; neither is given", error)
+         call reject_key(group, "degrees", "is for euler or axis_angle; neither is given", error)
       end if
    end subroutine find_way
 
@@ -105,17 +105,18 @@ contains
       call numbers_of(group, "q", values)
       q = values
       if (maxval(abs(q)) <= 0) then
-         call reject_key(group, "q", "is zero; no rotation is 1, 0, 0, 0", error)
+         call reject_key(group, "q", "is zero; the identity is 1, 0, 0, 0", error)
          return
       end if
       call make_unit(q, off, good)
       if (.not. good) then
-         call reject_key(group, "q", "is not a unit quaternion, its length is off 1 by " // &
-            amount(off) // "; up to 1e-3 is divided out, which makes it " // text_of(q), error)
+         call reject_key(group, "q", "is not a unit quaternion, its norm differs from 1 by " // &
+            amount(off) // "; up to 1e-3 is normalised, which gives " // text_of(q), error)
          return
       end if
       if (off > unit_tolerance) bodies%note = place(group%file, group%line) // &
-         "&bodies: q was off unit length by " // amount(off) // "; used is " // text_of(q)
+         "&bodies: q was normalised, its norm differed from 1 by " // amount(off) // &
+         ": " // text_of(q)
       bodies%q = q
    end subroutine from_quaternion
 

@@ -63,7 +63,7 @@ contains
       bodies%temperature = number_of(group, "temperature")
       if (bodies%random == random_thermal .neqv. given(group, "temperature")) then
          call reject_key(group, "temperature", &
-                       "goes with random = 'thermal' and is needed there", error)
+                       "is required with random = 'thermal', and only there", error)
       else if (bodies%temperature < 0) then
          call reject_key(group, "temperature", "= " // text_of(bodies%temperature) // &
                        " must not be negative", error)
@@ -165,7 +165,7 @@ contains
       character(:), allocatable :: text
       text = "has momentum " // text_of(found(2)) // " about principal axis " // &
          text_of(nint(found(1))) // ", whose moment is zero; up to 1e-6 of |y| is dropped " // &
-         "there, more cannot be"
+         "there, more is not possible"
    end function idle_words
 
    !> lattice, and the count that it makes.
@@ -178,7 +178,8 @@ contains
       call numbers_of(group, "lattice", side)
       if (any(side < 1) .or. any(abs(side - anint(side)) > 0) .or. &
           product(min(side, 1e9_dp)) > real(most_bodies, dp)) then
-         call reject_key(group, "lattice", "is not three positive integers that make at most " // &
+         call reject_key(group, "lattice", "is not three positive integers with a product " // &
+            "of at most " // &
             text_of(most_bodies) // " bodies", error)
       else if (given(group, "count") .and. bodies%count /= product(nint(side, i8))) then
          call reject_key(group, "count", "= " // text_of(bodies%count) // &
@@ -242,8 +243,8 @@ contains
             if (good) call make_unit(q, off, good)
             if (.not. good) then
                call reject_key(group, "file", "refused: " // bodies%file // ":" // &
-                  text_of(lines(i)) // ": q is not a unit quaternion, its length is off 1 by " // &
-                  amount(off) // "; up to 1e-3 is divided out", error)
+                  text_of(lines(i)) // ": q is not a unit quaternion, its norm differs " // &
+                  "from 1 by " // amount(off) // "; up to 1e-3 is normalised", error)
                return
             end if
             if (off > unit_tolerance) mended = mended + 1
@@ -259,7 +260,7 @@ contains
       end do
       if (mended > 0) bodies%note = place(group%file, group%line) // "&bodies: " // &
          text_of(mended) // " quaternions of " // bodies%file // &
-         " were off unit length by up to 1e-3; their length was divided out"
+         " were off unit norm by up to 1e-3, and were normalised"
    end subroutine check_states
 
    !> The rotors of gyrostats, once the effects are known: a body whose angular velocity was given

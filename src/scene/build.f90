@@ -87,7 +87,7 @@ contains
       end do
       if (find_group(source, "scene") == 0) then
          call reject(error, source%file, 0, &
-            "has no &scene group; t_end at least must be given there")
+            "has no &scene group; at least t_end must be given there")
       else if (find_group(source, "bodies") == 0) then
          call reject(error, source%file, 0, "has no &bodies group; at least one body is needed")
       end if
@@ -115,7 +115,7 @@ contains
       scene%chosen = ""
       scene%chosen_fails = ""
       if (scene%reseed .and. len(scene%from) == 0) then
-         call reject_key(group, "reseed", "goes with from, which is not given", error)
+         call reject_key(group, "reseed", "is for a restart, but from is not given", error)
       else if (scene%t_end <= 0) then
          call reject_key(group, "t_end", "= " // text_of(scene%t_end) // " must be positive", error)
       else if (scene%h < 0 .or. (given(group, "h") .and. scene%h <= 0)) then
@@ -218,7 +218,7 @@ contains
       scene%output%restart = word_of(group, "restart")
       if (index(scene%output%restart, "/") > 0) then
          call reject_key(group, "restart", "= " // quoted(scene%output%restart) // &
-                       " is the name of a file in the output folder and has no /", error)
+                       " must be a file name without /, in the output folder", error)
          return
       end if
       call build_times(group, scene, error)
@@ -271,10 +271,11 @@ contains
       rest = kinds
       call next_word(rest, kind)
       if (kind == "") call reject_key(group, "pictures", &
-         "= '' names no picture; 'none' draws nothing", error)
+         "= '' is not a picture; use 'none' for no pictures", error)
       do while (kind /= "" .and. .not. raised(error))
          if (.not. any(known == kind)) call reject_key(group, "pictures", "= " // quoted(kinds) // &
-            ": " // quoted(kind) // " is not one of: auto none, alone, or " // joined(known), error)
+            ": " // quoted(kind) // " is not one of: auto or none, alone, or " // &
+            joined(known), error)
          call next_word(rest, kind)
       end do
    end subroutine check_pictures

@@ -28,8 +28,8 @@ contains
       end if
       inquire (unit=unit, size=length)
       if (length > largest_file) then
-         call reject(error, file, 0, "is " // text_of(length) // " bytes long; a scene has at " // &
-                     "most " // text_of(largest_file))
+         call reject(error, file, 0, "has " // text_of(length) // " bytes; a scene may have " // &
+                     "at most " // text_of(largest_file))
       else if (length > 0) then
          allocate (character(length) :: text, stat=code)
          if (code == 0) read (unit, iostat=code, iomsg=reason) text

@@ -44,7 +44,7 @@ contains
       if (raised(error)) return
       if (nth == 0 .and. find_group(source, group, 2) > 0) then
          call reject(error, place, 0, quoted(text) // ": the scene has several &" // group // &
-                     " groups; name one, as in " // group // "(2)." // entry%key)
+                     " groups; select one, as in " // group // "(2)." // entry%key)
          return
       end if
       call put_entry(source, group, max(nth, 1), entry, error)

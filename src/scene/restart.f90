@@ -408,7 +408,7 @@ contains
       if (last(:4) /= "end ") then
          call bad(path, line, "the file ends where ""end"" is expected", error)
       else if (last(5:) /= digits_of(total)) then
-         call bad(path, line, "the sum at the end is not that of the numbers: the file was " // &
+         call bad(path, line, "the checksum at the end is wrong: the file was " // &
                   "changed or damaged", error)
       end if
       call ranks%share_error(error)

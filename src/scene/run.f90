@@ -307,7 +307,7 @@ contains
          character(*), intent(in) :: key, old, new
          character(:), allocatable :: hint
          hint = ""
-         if (key == "seed") hint = ", unless reseed = .true. makes a branch of it"
+         if (key == "seed") hint = ", except with reseed = .true., which makes a branch"
          call raise(error, poinsot_e_scene, scene%from // ": was written with " // key // " = " // &
                     old // ", the scene has " // new // "; a continuation must not change it" // &
                        hint)

@@ -226,7 +226,7 @@ contains
       type(run_report), intent(in) :: report
       type(poinsot_error), intent(inout) :: error
       call put(file, "", error)
-      call put(file, "largest change at an output, relative" // &
+      call put(file, "largest relative change at an output" // &
                trim(merge(" (a free body conserves all of them)         ", &
                " (with effects, some are not conserved)      ", size(scene%effects) == 0)), error)
       call row(file, "  energy H", brief_number(report%drift%energy_change), error)

@@ -82,7 +82,7 @@ contains
       end if
       if (scheme%needs_gradient .or. scheme%adaptive .or. size(scheme%enter) > 0) then
          call raise(error, poinsot_e_method, "splitting '" // trim(name) // &
-                    "' is not kicks and drifts alone; 'srkn4' and 'srkn6' are")
+                    "' needs more than kicks and drifts; use 'srkn4' or 'srkn6'")
          return
       end if
       allocate (kick(size(scheme%operations)), drift(size(scheme%operations)), source=0.0_dp)

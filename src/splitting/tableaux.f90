@@ -69,29 +69,29 @@ module poinsot_splitting_tableaux
    type(tableau), parameter :: rows(*) = [ &
       tableau("strang", 1, 2, "Strang", 1968, &
          "SIAM J. Numer. Anal. 5, 506", &
-         "one torque a step: loose tolerances, friction", "K", &
+         "one torque per step: low accuracy, friction", "K", &
          reshape([0.5_dp, 1.0_dp], [width], zero)), &
       tableau("forest-ruth", 2, 4, "Forest, Ruth; Yoshida", 1990, &
          "Physica D 43, 105", &
-         "to compare with: the first of order 4", "K", &
+         "for comparison: the first of order 4", "K", &
          reshape([0.67560359597982881702_dp, 1.351207191959657634_dp, &
          -0.17560359597982881702_dp, -1.7024143839193152681_dp], [width], zero)), &
       tableau("suzuki4", 3, 4, "Suzuki", 1990, &
          "Phys. Lett. A 146, 319", &
-         "to compare with: order 4 by substeps of one size", "K", &
+         "for comparison: order 4 by equal substeps", "K", &
          reshape([0.20724538589718786857_dp, 0.41449077179437573714_dp, &
          0.41449077179437573714_dp, 0.41449077179437573714_dp, -0.12173615769156360571_dp, &
          -0.65796308717750294857_dp], [width], zero)), &
       tableau("yoshida6", 4, 6, "Yoshida", 1990, &
          "Phys. Lett. A 150, 262, solution A", &
-         "to compare with: the first of order 6", "K", &
+         "for comparison: the first of order 6", "K", &
          reshape([0.39225680523877863191_dp, 0.78451361047755726382_dp, &
          0.51004341191845769875_dp, 0.23557321335935813368_dp, -0.47105338540975643664_dp, &
          -1.17767998417887100695_dp, 0.06875316825252010598_dp, &
          1.31518632068391121889_dp], [width], zero)), &
       tableau("mclachlan4", 5, 4, "McLachlan", 1995, &
          "SIAM J. Sci. Comput. 16, 151", &
-         "order 4 of general splittings; srkn4 is better", "K", &
+         "order 4, a general splitting; srkn4 is better", "K", &
          reshape([0.089269454226475244887_dp, 0.4_dp, -0.097336042636895508015_dp, -0.1_dp, &
          0.50806658841042026313_dp, 0.4_dp], [width], zero)), &
       tableau("srkn4", 6, 4, "Blanes, Moan", 2002, &
@@ -111,7 +111,7 @@ module poinsot_splitting_tableaux
          0.20730506905689536_dp], [width], zero)), &
       tableau("chin4", 8, 4, "Chin", 1997, &
          "Phys. Lett. A 226, 344, 4A; the review's", &
-         "1e-3 in long steps; the review's own scheme", "K", &
+         "1e-3 in large steps; the review's own scheme", "K", &
          reshape([0.16666666666666666667_dp, 0.5_dp, 0.66666666666666666667_dp], [width], zero), &
          gradients=reshape([0.0_dp, 0.0_dp, 0.013888888888888888889_dp], [width], zero)), &
       tableau("omelyan4", 9, 4, "Omelyan, Mryglod, Folk", 2003, &
@@ -141,7 +141,7 @@ module poinsot_splitting_tableaux
          0.015295860994523744732_dp], [width], zero)), &
       tableau("takahashi-imada", 12, 4, "Takahashi, Imada; Blanes, Casas, Ros", 1984, &
          "J. Phys. Soc. Jpn. 53, 3765; Appl. Num. Math. 39, 245", &
-         "order 4 at one torque a step, seen at outputs", "T", &
+         "order 4 with one torque per step, at outputs only", "T", &
          reshape([0.5_dp, 1.0_dp], [width], zero), &
          gradients=reshape([0.0_dp, 1.0_dp/24.0_dp], [width], zero), &
          processor=reshape([0.11804257670960278_dp, -0.0862006645713153_dp, &
@@ -150,10 +150,10 @@ module poinsot_splitting_tableaux
          -0.3160796464631296_dp, -0.1478697706172218_dp], [width], zero)), &
       tableau("taylor", 13, 0, "Jorba, Zou", 2005, &
          "Exp. Math. 14, 99; in two precisions", &
-         "any accuracy: steps of any length by `tolerance`", adaptive=.true.), &
+         "any accuracy, by `tolerance`; steps of any size", adaptive=.true.), &
       tableau("baoab", 14, 2, "Leimkuhler, Matthews; Davidchack et al.", 2013, &
          "J. Chem. Phys. 138, 174102; 142, 144114", &
-         "thermostat: attitudes sampled best in long steps", "K", &
+         "thermostats: samples attitudes best in large steps", "K", &
          reshape([0.5_dp, 0.5_dp], [width], zero), inside=.true.), &
       tableau("saba864", 15, 4, "Blanes, Casas, Farres, Laskar, Makazaga, Murua", 2013, &
          "Appl. Numer. Math. 68, 58, ABA(8,6,4)", &
@@ -164,7 +164,7 @@ module poinsot_splitting_tableaux
          0.0653961422823734184559_dp], [width], zero)), &
       tableau("saba1064", 16, 4, "Blanes, Casas, Farres, Laskar, Makazaga, Murua", 2013, &
          "Appl. Numer. Math. 68, 58, ABA(10,6,4)", &
-         "weaker torques still: 1e-3 of the spin, below", "T", &
+         "even weaker torques: 1e-3 of the spin and less", "T", &
          reshape([0.0380944974224121954569_dp, 0.0958588808370752106107_dp, &
          0.1452987161169137492940_dp, 0.2044461531429987806805_dp, 0.2076276957255412507162_dp, &
          0.2170703479789911017143_dp, 0.4359097036515261592231_dp, -0.017375381959065093005_dp, &

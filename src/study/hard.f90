@@ -103,12 +103,12 @@ contains
       character(7), allocatable :: heads(:)
       character(400) :: line
       character(40), parameter :: titles(3) = [character(40) :: "The whole time in one step:", &
-         "In steps of at most 0.2 radians:", "In these steps with compensated sums:"]
+         "In steps of at most 0.2 radians:", "In such steps, with compensated sums:"]
       integer :: kind, w
       call shown_methods(shown, heads)
-      call write_line(unit, "Hard bodies: worst error in units of conditioning (one unit: what "// &
-         "moving inputs by")
-      call write_line(unit, "1e-16 does), against a Taylor series in quadruple precision")
+      call write_line(unit, "Hard bodies: worst error in units of conditioning (one unit: the "// &
+         "effect of changing")
+      call write_line(unit, "all inputs by 1e-16), against a Taylor series in quadruple precision")
       do w = 1, size(titles)
          call write_line(unit, "")
          call write_line(unit, titles(w))
@@ -122,8 +122,8 @@ contains
       call show_own(unit, rows)
       call write_line(unit, "")
       call write_line(unit, "refused: status 'step too long' or 'no convergence', state kept; "// &
-         "*: in some of the cases")
-      write (line, "(a, i0, a)") "A step of any size up to 20 radians unless said; ", &
+         "*: in some cases")
+      write (line, "(a, i0, a)") "Steps of any size up to 20 radians unless stated; ", &
          cases_of_kind, " cases of each kind, in all orders of the axes:"
       call write_line(unit, line)
       call write_line(unit, "")
@@ -141,9 +141,9 @@ contains
       character(80) :: line
       integer :: kind, w
       call write_line(unit, "")
-      call write_line(unit, "By scale of a class of another size, and by moments of the body's "// &
-         "own; the worse of")
-      call write_line(unit, "both ways:")
+      call write_line(unit, "With scale of a class of another size, and with moments of each "// &
+         "body; the worse of")
+      call write_line(unit, "one step and steps of 0.2:")
       call write_line(unit, "")
       call write_line(unit, "            exact: scale  moments jacobi: scale  moments")
       do kind = 1, size(kind_names)
@@ -166,7 +166,7 @@ contains
       call shown_methods(shown, heads)
       call write_line(unit, "")
       call write_line(unit, &
-         "Promises of every method, in 1e-16 of |y| and of 1; 0: to the bit; -: "// &
+         "Promises of every method, in 1e-16 of |y| and of 1; 0: bitwise; -: "// &
          "not promised")
       call write_line(unit, "")
       write (line, "(11x, *(1x, a7))") adjustr(heads)

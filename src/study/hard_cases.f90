@@ -31,7 +31,7 @@ module poinsot_study_hard_cases
       kind_of_body("linear", 5, "one moment zero"), &
       kind_of_body("sphere", 6, "three equal moments"), &
       kind_of_body("separatrix", 7, "1e-16 .. 1e-2 off the separatrix"), &
-      kind_of_body("on-separatr", 8, "on the separatrix as far as doubles go"), &
+      kind_of_body("on-separatr", 8, "on the separatrix, to double precision"), &
       kind_of_body("middle", 9, "about the middle axis, 1e-16 .. 1e-1 off"), &
       kind_of_body("axis", 10, "about a principal axis exactly"), &
       kind_of_body("rest", 11, "no momentum"), &

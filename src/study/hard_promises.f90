@@ -28,22 +28,23 @@ module poinsot_study_hard_promises
 
    type(promise), parameter :: promises(*) = [ &
       promise("units-2", 0.0_dp, &
-         "other units, powers of two from 2^-498 to 2^498: the same bits"), &
-      promise("units-10", 40.0_dp, "powers of ten from 1e-150 to 1e150; a molecule in SI units"), &
+         "units by powers of two from 2^-498 to 2^498: bitwise the same"), &
+      promise("units-10", 40.0_dp, &
+         "units by powers of ten from 1e-150 to 1e150; a molecule in SI units"), &
       promise("axes", 20.0_dp, "the axes in all six orders: the same motion"), &
-      promise("zero", 0.0_dp, "steps of 0 and -0 move nothing"), &
-      promise("return", 2000.0_dp, "100 steps there and 100 back"), &
+      promise("zero", 0.0_dp, "steps of 0 and -0 change nothing"), &
+      promise("return", 2000.0_dp, "100 steps forth and 100 back"), &
       promise("at-rest", 10.0_dp, &
-         "no momentum, momenta from 5e-324 to 1e-300: no turn, no spin-up"), &
+         "no momentum, momenta from 5e-324 to 1e-300: no rotation, no spin-up"), &
       promise("any-step", 100.0_dp, &
-         "1e-12 to 1e9 periods, both signs: |q|, |y| and Qy kept, or E_STEP"), &
-      promise("too-far", 0.0_dp, "a step beyond the method's reach: refused, the state kept"), &
-      promise("near-unit", 60.0_dp, "|q| off by 1e-16 to 1e-6: used as it is, the norm stays"), &
+         "1e-12 to 1e9 periods, both signs: |q|, |y|, Qy conserved, or E_STEP"), &
+      promise("too-far", 0.0_dp, "a step beyond the method's limit: refused, state kept"), &
+      promise("near-unit", 60.0_dp, "|q| off by 1e-16 to 1e-6: used as given, the norm stays"), &
       promise("no-unit", 0.0_dp, &
          "|q| off by more, zero, infinite, not a number: refused, state kept"), &
       promise("frame", 500.0_dp, "a top given by a tensor in another frame: the same motion"), &
-      promise("rotor", 500.0_dp, "a rotor: drift and step the same bits, Q y kept"), &
-      promise("slack", 0.0_dp, "few digits taken to the slack, refused beyond it")]
+      promise("rotor", 500.0_dp, "a gyrostat: drift and step bitwise the same, Q y conserved"), &
+      promise("slack", 0.0_dp, "rounded moments: accepted within the tolerance, else refused")]
 
    character(9), parameter :: promise_names(*) = promises%name
    real(dp), parameter :: promise_bounds(*) = promises%bound

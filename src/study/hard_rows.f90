@@ -133,11 +133,11 @@ contains
          words = "not promised"
       else if (row%approach == "") then
          words = "kept"
-         if (row%figure <= 0) words = "kept to the bit"
+         if (row%figure <= 0) words = "kept bitwise"
       else if (row%counts%answered == 0) then
          words = "refused"
       else
-         words = "right to rounding"
+         words = "accurate to rounding error"
          if (row%figure > 20) then
             write (number, "(es8.1)") row%counts%largest
             words = "off by "//trim(adjustl(number))//", as its order allows"

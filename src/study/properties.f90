@@ -292,7 +292,8 @@ contains
 
    subroutine show_head(unit)
       integer, intent(in) :: unit
-      call write_line(unit, "What each method keeps: the review's Table 2 (Vilmart 2013), measured")
+      call write_line(unit, &
+         "Properties of each method: the review's Table 2 (Vilmart 2013), measured")
       call write_line(unit, "")
       call write_line(unit, &
          "                     order measured  exact preservation of            "// &
@@ -326,17 +327,17 @@ contains
       character(*), intent(in) :: contradictions(:)
       character(100), parameter :: lines(13) = [character(100) :: &
          "", &
-         "Measured at three bodies (unsorted, one flat) at h|omega| = 0.8 on maps in quadruple", &
+         "Measured for three bodies (unsorted, one flat) at h|omega| = 0.8 on maps in quadruple", &
          "precision; derivatives by dual numbers. yes: defect below 1e-31, no: above 1e-29.", &
          "  Qy, C, H, |q|   space momentum, |y|^2/2, energy, norm: the quadratic invariants", &
          "  linear          y on the axis of a body with two equal moments (any); y of a sphere", &
          "  Poisson         the Jacobian of y maps the structure matrix y^ to that of the new y", &
-         "  symplectic      the Jacobian of (y, Q) keeps the canonical two-form of T*SO(3)", &
-         "  time-reversible the step -h undoes the step h, and equals h with y turned round", &
-         "  exact for       bodies with two equal moments (any two), with three", &
+         "  symplectic      the Jacobian of (y, Q) preserves the canonical two-form of T*SO(3)", &
+         "  time-reversible the step -h inverts the step h, and equals h with y reversed", &
+         "  exact for       bodies with two equal moments (any two); with three", &
          "  kernel off      largest distance of the kernel from its map in one step, in 1e-16", &
-         "Orders are slopes of the error of one step, less one. Those of the kernels themselves,", &
-         "all defects, and what the kernels lose over 100 steps: properties.csv (--out DIR).", &
+         "Orders are slopes of the error of one step, minus one. Those of the kernels, all", &
+         "defects, and the drift of the kernels over 100 steps: properties.csv (--out DIR).", &
          ""]
       integer :: i
       do i = 1, size(lines)

@@ -67,9 +67,9 @@ contains
       do i = 1, size(acting)
          call effects(acting(i))%it%add_terms(class, terms, served)
          if (served) cycle
-         call raise(error, poinsot_e_method, "splitting 'taylor' needs torques as data, and " // &
+         call raise(error, poinsot_e_method, "splitting 'taylor' does not support " // &
             "effect '" // trim(effects(acting(i))%it%name) // "' (pairs, noise, a formula, an " // &
-            "eccentric orbit, a program's own torque) is none; 'srkn6' takes it")
+            "eccentric orbit, a program's own torque); use 'srkn6'")
          return
       end do
    end subroutine collect_terms

@@ -44,7 +44,7 @@ do for [kind in kinds] {
       plot for [k=1:bodies] file skip 1 every bodies::k-1 using (start(1), $1):(angle(1)) with lines lw 1.6 lc rgb colour(k)
    } else {
       set rmargin 3
-      set ylabel sprintf(widest < 1000 ? 'body; a lane is %.3g degrees to either side' : 'body; a lane is %.0f degrees to either side', widest)
+      set ylabel sprintf(widest < 1000 ? 'body; a band is %.3g degrees to either side' : 'body; a band is %.0f degrees to either side', widest)
       set yrange [lanes+0.6:0.4]; set ytics ()
       do for [k=1:lanes] { set ytics add (sprintf('%d', number[k]) k) }
       if (bodies > lanes) {

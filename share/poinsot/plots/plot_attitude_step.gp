@@ -33,11 +33,11 @@ do for [kind in kinds] {
    if (!can_draw(kind)) { continue }
    eval begin(kind, 'attitude_step', 820, 560)
    eval logarithmic
-   set label 1 title('error against step') at graph 0, graph 1.05 font ',14' noenhanced
+   set label 1 title('error against step size') at graph 0, graph 1.05 font ',14' noenhanced
    set label 2 (few ? '' : 'exact rotation; ') . 'names with their slopes' at screen 0.985, graph 1.05 right \
       tc rgb '#606060' font ',10'
    set xrange [left:right]; set yrange [bottom:top]
-   set xlabel 'step h'
+   set xlabel 'step size h'
    set ylabel sprintf('error in attitude, radians, at t = %g (median)', t_end)
    gap = 0.034; letter = 0.0098
    if (ends > 0) { load 'ends.gp'; set rmargin 3 + 0.78*overhang }

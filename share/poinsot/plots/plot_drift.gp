@@ -4,7 +4,7 @@
 load 'motion.gp'
 
 # What a strip is about: `s`, a word of `kept`, says which. The value of a row; what is relative to what.
-title(s) = s eq 'energy' ? 'the energy' : s eq 'work' ? 'the energy (with these effects it need not stay)' : \
+title(s) = s eq 'energy' ? 'the energy' : s eq 'work' ? 'the energy (not conserved with these effects)' : \
    s eq 'rotating' ? 'T + U - W.L in the turning frame' : s eq 'length' ? '|y|' : s eq 'momentum' ? 'Q y' : \
    s eq 'vertical' ? 'Q y along z' : s eq 'symmetry' ? 'y along the axis of symmetry' : \
    s eq 'kovalevskaya' ? "Kovalevskaya's integral" : '|q|'

@@ -23,7 +23,7 @@ do for [kind in kinds] {
    eval logarithmic
    set label 1 title(sprintf('energy in long runs (median of %d states)', states)) at graph 0, graph 1.05 font ',14' noenhanced
    set xrange [left:right]; set yrange [bottom:top]
-   set xlabel 't'; set ylabel 'largest error of the energy so far, relative'
+   set xlabel 't'; set ylabel 'largest relative energy error so far'
    gap = 0.034; letter = 0.0122
    load 'ends.gp'; set rmargin 3 + 0.78*overhang
    plot for [k=1:ends] 'drift.csv' skip 1 using 4:(run_name(1) eq end_text[k] ? larger($5, 2e-17) : NaN) \

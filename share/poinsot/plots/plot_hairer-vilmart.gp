@@ -26,7 +26,7 @@ do for [kind in kinds] {
    set logscale xy; set format x '10^{%T}'; set format y '10^{%T}'
    set border 3; set tics nomirror out; unset key; set grid lc rgb '#ececec' lt 1 lw 0.7
    set tmargin 2.5; set bmargin 3.5
-   set xlabel 'time of the run to t = 10, microseconds a body'
+   set xlabel 'time of the run to t = 10, microseconds per body'
    set xrange [left:right]; set yrange [bottom:top]
    do for [body=1:2] {
       unset label; unset arrow

@@ -39,7 +39,7 @@ do for [kind in kinds] {
    plot file using 1:6 skip 1 title '⟨cos⟩' with lines lc rgb dark lw 2, \
       file using 1:7 skip 1 title '⟨cos²⟩' with lines lc rgb '#d55e00' lw 2 dt 2, \
       file using 1:8 skip 1 title 'autocorrelation' with lines lc rgb '#2f8fce' lw 2 dt 4
-   set title 'share of bodies' offset 0,-0.4
+   set title 'fraction of bodies' offset 0,-0.4
    set xlabel 'cosine of the tilt'; set xrange [-1:1]; set xtics 0.5; set yrange [0:*]; set ytics autofreq
    set boxwidth 2.0/bins
    plot sample [k=1:bins:1] '+' using (middle($1)):(after[int($1)]) title 'last output' with boxes fs solid 1 \

@@ -13,7 +13,7 @@ do for [kind in kinds] {
    eval begin(kind, 'temperature', 720, 420)
    set datafile separator whitespace
    set key bottom right reverse Left; set border 3; set tics nomirror out; set rmargin 3
-   set xlabel 't'; set ylabel 'temperature of each axis / wanted one'
+   set xlabel 't'; set ylabel 'temperature of each axis / target'
    set autoscale xfix; set yrange [0 : 1.05*larger(H_max, 1.2)]
    set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lc rgb '#b0b0b0' dt 2
    plot $heat index 0 using 1:2 title 'axis 1' with lines lc rgb dark lw 2, \
