@@ -2,16 +2,16 @@
 #
 # Variables: FC             the Fortran compiler (gfortran)
 #            MPI=1          of make build: also the app for several processes, build/mpi/poinsot; MPIFC its compiler (mpifort)
-#            PORTABLE=1     for any processor of this kind, not this one only; TARGET=levels: x86-64, -v3 and -v4 in one
+#            PORTABLE=1     for any processor of this architecture; TARGET=levels: x86-64, -v3 and -v4 in one
 #                           installation, the loader chooses (by CMake); TARGET=x86-64-v3 and the like: that one
-#            BUILDER        fpm or cmake; else fpm where it is there, CMake where it is not
-#            BUILD          the folder of builds (build); elsewhere, for sources that cannot be written to: by CMake
-#            SETUP=no       install and fetch nothing; say what is missing
+#            BUILDER        fpm or cmake; default: fpm if found, otherwise CMake
+#            BUILD          the build folder (build); another one, for read-only sources, uses CMake
+#            SETUP=no       install and fetch nothing; report what is missing
 #            EXTRA_FLAGS    added to the compiler's flags
 #            SUITE          of make test: the suite, or suite and test, to run
-#            ROUTES         of make check-routes: these only, "cmake wheel" say (the list is at the head of tools/routes.sh)
+#            ROUTES         of make check-routes: only these, e.g. "cmake wheel" (listed at the top of tools/routes.sh)
 #            PICTURES=no    of make demo: without gnuplot
-#            PREFIX         of make install and uninstall: where to (/usr/local); DESTDIR in front of it; LIBDIR (lib) and
+#            PREFIX         of make install and uninstall: the prefix (/usr/local); DESTDIR in front of it; LIBDIR (lib) and
 #                           MODDIR, of .mod files (include/poinsot), under PREFIX or absolute
 
 ifeq ($(origin FC),default)
@@ -35,11 +35,11 @@ out := poinsot-out
 
 all: build
 
-build: setup ## set up what is missing; build library and app (into build/stage)
+build: setup ## install what is missing; build library and app (into build/stage)
 	@tools/build.sh stage
 	@[ "$(MPI)" != 1 ] || tools/mpi.sh
 
-demo: build ## build, then run the free body and the heavy top, leave pictures and pages
+demo: build ## build, then run the free body and the heavy top, with pictures and pages
 	$(stage)/bin/poinsot run free-body --out $(out)/free-body
 	$(stage)/bin/poinsot run heavy-top --out $(out)/heavy-top
 	@echo; echo "Pages, for any browser, and pictures:"; ls -1 $(out)/free-body/view.html $(out)/heavy-top/view.html \
@@ -48,7 +48,7 @@ demo: build ## build, then run the free body and the heavy top, leave pictures a
 test: build ## build, then run the tests in two profiles; ends with "N passed, M failed"
 	@tools/test.sh $(SUITE)
 
-check-deep: build ## all tests, long ones too; sanitizers, valgrind, flags, coverage, flang, fuzzers; an hour on two cores
+check-deep: build ## all tests, including long ones; sanitizers, valgrind, flags, coverage, flang, fuzzers; an hour on two cores
 	@tools/test.sh --deep $(SUITE)
 	@bench/assembly.sh
 	@tools/deep.sh
@@ -66,19 +66,19 @@ bench: build ## measure the speed of every method
 lint: setup ## fortitude, module names, warnings as errors
 	@tools/lint.sh
 
-gallery: build ## run every shipped scene, draw docs/gallery.md anew
+gallery: build ## run every shipped scene, remake docs/gallery.md
 	@tools/gallery.sh
 
-docs: setup ## reference by FORD (into build/docs)
+docs: setup ## make the reference with FORD (into build/docs)
 	@tools/docs.sh
 
 install: build ## install under PREFIX (and DESTDIR)
 	@tools/install.sh install "$(PREFIX)" "$(DESTDIR)" "$(LIBDIR)" "$(MODDIR)"
 
-uninstall: ## remove what install put under PREFIX
+uninstall: ## remove installed files under PREFIX
 	@tools/install.sh uninstall "$(PREFIX)" "$(DESTDIR)" "$(LIBDIR)" "$(MODDIR)"
 
-clean: ## remove what was built; tools and dependencies stay
+clean: ## remove build products, but not tools and dependencies
 	@find $(BUILD) -mindepth 1 -maxdepth 1 ! -name tools ! -name dependencies ! -name wheels -exec rm -rf {} + 2>/dev/null; true
 
 distclean: ## remove everything that was not in the repository

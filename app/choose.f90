@@ -49,7 +49,7 @@ contains
       call search(scene, options, request, code)
    end subroutine command_choose
 
-   !> Choose, say it, write it.
+   !> Choose, print and write the choice.
    subroutine search(scene, options, request, code)
       type(scene_settings), intent(in) :: scene
       type(study_options), intent(in) :: options

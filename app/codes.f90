@@ -1,4 +1,4 @@
-!> Exit codes, and which error is which.
+!> Exit codes, and their relation to error statuses.
 module app_codes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step, poinsot_e_convergence, &
       poinsot_e_partial, poinsot_e_scene, poinsot_e_domain, poinsot_e_method, poinsot_e_size

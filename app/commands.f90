@@ -1,4 +1,5 @@
-!> The table of commands. A new one is a row in `table`, a case in `dispatch`, a text in app_help.
+!> The table of commands. A new one is a row in `table`, a case in `dispatch`, a help text in
+!> app_help.
 module app_commands
    use poinsot_scene_communicator, only: communicator
    use poinsot_core_nearest, only: suggestion
@@ -20,7 +21,7 @@ module app_commands
 
 contains
 
-   !> Do what the command line says.
+   !> Run the command of the command line.
    subroutine run_command(code, ranks)
       integer, intent(out) :: code !! exit code: 0 ok, 1 runtime, 2 usage or input, 3 numerical
       class(communicator), intent(inout), optional :: ranks !! who else runs this

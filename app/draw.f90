@@ -1,4 +1,4 @@
-!> Pictures by gnuplot, and text files on the terminal.
+!> Drawing pictures with gnuplot, and printing text files on the terminal.
 module app_draw
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_files, only: out_file, open_out, put, finish_out
@@ -61,7 +61,7 @@ contains
       end if
    end subroutine draw
 
-   !> Copy a script and those it loads, as far as they are shipped: the others are the run's data.
+   !> Copy a script and the shipped scripts that it loads; the others are data of the run.
    recursive subroutine place_script(plots, script, out, error)
       character(*), intent(in) :: plots, script, out !! where from, which, where to
       type(poinsot_error), intent(inout) :: error

@@ -1,5 +1,5 @@
-!> Where scenes are: a file, or a name in the folders where scenes are kept; and where the other
-!> files are that belong to this program.
+!> The search for scenes, by file or by name in the folders of scenes, and for other files that
+!> belong to this program.
 module app_find_scene
    use poinsot_core_nearest, only: suggestion
    use app_arguments, only: word, word_list
@@ -43,7 +43,7 @@ contains
       file = scene
    end subroutine find_scene
 
-   !> What to say of a scene that was not found.
+   !> Message for a scene that was not found.
    function missing_scene(scene) result(message)
       character(*), intent(in) :: scene
       character(:), allocatable :: message

@@ -1,4 +1,4 @@
-!> poinsot methods, splittings, effects, keys, scenes: what there is.
+!> poinsot methods, splittings, effects, keys, scenes: lists and explanations.
 module app_lists
    use poinsot_core_kinds, only: name_length
    use poinsot_core_error, only: poinsot_error
@@ -22,7 +22,7 @@ module app_lists
 
 contains
 
-   !> At most `most` names and no options; complains itself.
+   !> At most `most` names and no options; prints the error message.
    logical function fine(command, words, most)
       character(*), intent(in) :: command
       type(word_list), intent(in) :: words
@@ -141,7 +141,7 @@ contains
       code = exit_ok
    end subroutine command_keys
 
-   !> A group by name; complains itself.
+   !> A group by name; prints the error message.
    subroutine find_group(what, name, info, i)
       character(*), intent(in) :: what            !! an unknown name
       character(*), intent(in) :: name

@@ -1,4 +1,5 @@
-!> The poinsot program: arguments to a command, the command's outcome to an exit code.
+!> The poinsot program: passes the arguments to a command, and the result of the command to the exit
+!> code.
 program poinsot_app
    use app_commands, only: run_command
    use app_terminal, only: leave

@@ -1,4 +1,4 @@
-!> poinsot properties, poinsot hard: what the library finds out about its own methods.
+!> poinsot properties, poinsot hard: measured properties of the library's own methods.
 module app_measured
    use, intrinsic :: iso_fortran_env, only: output_unit
    use poinsot_core_error, only: poinsot_error, raised

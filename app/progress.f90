@@ -1,4 +1,4 @@
-!> How far a run is, on one line of the terminal; and whether the user asked it to stop.
+!> The progress of a run, on one line of the terminal; and whether the user asked it to stop.
 module app_progress
    use, intrinsic :: iso_fortran_env, only: error_unit
    use poinsot_core_kinds, only: dp, i8

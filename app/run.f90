@@ -60,7 +60,7 @@ contains
       end if
    end subroutine command_run
 
-   !> `poinsot view`: a folder's page made anew, or a scene run for its page alone.
+   !> `poinsot view`: remake the page of a folder, or run a scene only for its page.
    subroutine command_view(words, code)
       type(word_list), intent(in) :: words
       integer, intent(out) :: code
@@ -139,7 +139,7 @@ contains
       end do
    end subroutine read_options
 
-   !> Say that an option is not known.
+   !> Report an unknown option.
    subroutine unknown_option(command, name, options)
       character(*), intent(in) :: command, name
       character(*), intent(in) :: options(:)   !! those there are

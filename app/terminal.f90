@@ -1,4 +1,5 @@
-!> What the program needs of the system: is this a terminal, was it asked to stop, where is it.
+!> System services: whether output is a terminal, whether the program was asked to stop, where its
+!> files are.
 module app_terminal
    use, intrinsic :: iso_c_binding, only: c_int, c_char, c_size_t, c_long, c_intptr_t, c_funptr, &
       c_funloc, c_null_funptr, c_null_char
@@ -84,7 +85,7 @@ contains
       was_interrupted = interrupted
    end function was_interrupted
 
-   !> Folder of the running program, "" if the system does not tell.
+   !> Folder of the running program, "" if unknown.
    function executable_folder() result(folder)
       character(:), allocatable :: folder
       character(kind=c_char) :: buffer(4096)
@@ -111,7 +112,7 @@ contains
       if (length > 0) call get_environment_variable(name, value)
    end function environment
 
-   !> A line on standard output; none if nobody reads it any more.
+   !> Write a line to standard output; nothing if that is no longer read.
    subroutine say(line)
       character(*), intent(in) :: line
       integer :: code

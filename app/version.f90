@@ -1,4 +1,4 @@
-!> What this program is: version, compiler and flags.
+!> Version, compiler and flags of this program.
 module app_version
    use, intrinsic :: iso_fortran_env, only: compiler_version, compiler_options
    use poinsot_api_build, only: built_with, build_level

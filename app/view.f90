@@ -1,4 +1,4 @@
-!> The page that shows a motion: where its template is, and `poinsot view`.
+!> The page that shows a motion: the search for its template, and `poinsot view`.
 module app_view
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_files, only: is_folder

@@ -254,7 +254,7 @@ typedef struct poinsot_bodies {
   /* since 0.2 */
   ptrdiff_t class_stride;  /* of body_class, in ints; 0 = 1 */
   const int *y_at, *q_at;  /* [n] rows of y (and y_fourth) and of q, from 0; NULL: body i is row i. Other arrays are indexed by i */
-  size_t rows;             /* number of rows: a larger or negative index is POINSOT_E_SIZE; 0: only negative ones are detected */
+  size_t rows;             /* number of rows: an index outside 0 to rows - 1 is POINSOT_E_SIZE; 0: only negative ones are detected */
   const double *scale;     /* [n] moments of body i over those of its class; NULL: 1. Bodies of one shape and different sizes cost no
                               more than those of one class (taylor: more). If not positive, that body gets POINSOT_E_DOMAIN */
   const double *moments[3]; /* or moments for each body, about the principal axes of its class if it has one; body_class, if given,

@@ -1,5 +1,5 @@
-!> The ranks of an MPI run, by the interface that MPICH and Open MPI both have for every type of
-!> buffer; files by MPI-IO.
+!> The ranks of an MPI run, using the interface that MPICH and Open MPI both provide for every type
+!> of buffer; files by MPI-IO.
 module mpi_communicators
    use mpi_f08, only: mpi_file, mpi_status, mpi_info_null, mpi_status_ignore, mpi_offset_kind, &
       mpi_comm_self, world => mpi_comm_world, mpi_success, mpi_err_io, mpi_in_place, mpi_max, &

@@ -1,4 +1,5 @@
-!> The poinsot program on several MPI processes: `mpirun -n 4 poinsot run SCENE`. The first speaks.
+!> The poinsot program on several MPI processes: `mpirun -n 4 poinsot run SCENE`. Only rank 0
+!> prints.
 program poinsot_processes
    use, intrinsic :: iso_fortran_env, only: output_unit, error_unit
    use app_commands, only: run_command

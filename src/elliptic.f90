@@ -1,10 +1,10 @@
-!> Elliptic functions and integrals, for programs: `use poinsot_elliptic`; in C they are
+!> The public module of elliptic functions and integrals: `use poinsot_elliptic`; in C they are
 !> poinsot_elliptic_..., poinsot_jacobi..., poinsot_carlson_...
 !>
-!> The parameter is m = k**2, in [0, 1]; all functions of it take m1 = 1 - m besides, as a last and
-!> optional argument, for those who know it better than 1 - m. The characteristic n of Pi stands in
-!> 1 - n sin(t)**2. Elemental, reals are `kind(1d0)`. An argument out of its domain, infinite or NaN
-!> gives NaN, without an exception.
+!> The parameter is m = k**2, in [0, 1]; all functions of it have an optional last argument m1 = 1 -
+!> m, for callers who know it more accurately than 1 - m gives. The characteristic n of Pi is the
+!> one in 1 - n sin(t)**2. Elemental; reals are `kind(1d0)`. An argument outside the domain,
+!> infinite or NaN gives NaN, without an exception.
 module poinsot_elliptic
    ! K(m), E(m), Pi(n, m)
    use poinsot_elliptic_complete, only: elliptic_k => complete_k, elliptic_e => complete_e, &

@@ -1,5 +1,5 @@
-!> The public module for Fortran: `use poinsot`. Names and meaning as in C (include/poinsot.h);
-!> errors come back in `error`.
+!> The public module for Fortran: `use poinsot`. Names and meanings as in C (include/poinsot.h);
+!> errors are returned in `error`.
 !>
 !>     type(poinsot_body) :: body
 !>     type(poinsot_error) :: error
@@ -10,10 +10,10 @@
 !> Reals are double precision, `kind(1d0)`; all names begin with `poinsot`. Quaternions, conversions
 !> and inertia: `use poinsot_rotation`; elliptic functions: `use poinsot_elliptic`.
 !>
-!> Frames, units and rules are those of the header, but for: classes count from 1; a view is filled
-!> by poinsot_bodies_rows or _arrays, and its components body_class, id, carry and status are
-!> pointers that the caller may point to arrays of its own. A body that fails makes error%code
-!> POINSOT_E_PARTIAL; the other bodies have gone on.
+!> Frames, units and rules are those of the header, except that classes count from 1; a view is
+!> filled by poinsot_bodies_rows or _arrays, and the caller may point its components body_class, id,
+!> carry and status to its own arrays. If a body fails, error%code is POINSOT_E_PARTIAL; the other
+!> bodies are advanced.
 module poinsot
    use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_body_class, only: poinsot_body => body_class, make_class
@@ -80,25 +80,25 @@ module poinsot
       end function poinsot_processor_fits
    end interface
 
-   !> Add an effect by name with its settings in one text, or one of a type of the caller's own.
+   !> Add an effect by name with its settings in one string, or one of a type of the caller's own.
    interface poinsot_plan_add_effect
       module procedure add_named_effect, add_own_effect
    end interface poinsot_plan_add_effect
 
-   !> Steps with effects, and torques of a callback; step numbers of either kind of integer.
+   !> Steps with effects and a callback's torques; step numbers of either integer kind.
    interface poinsot_step
       module procedure step_long, step_plain
    end interface poinsot_step
 
-   !> Drag and thermostats alone; the step number of either kind of integer.
+   !> Drag and thermostats alone; the step number of either integer kind.
    interface poinsot_dissipate
       module procedure dissipate_long, dissipate_plain
    end interface poinsot_dissipate
 
 contains
 
-   !> The first thing every call does: no processor is asked for what it does not have. Arguments
-   !> are inout and not out, so that nothing is set before.
+   !> Called first by every procedure: stop here if the processor lacks instructions of this build.
+   !> Arguments are inout and not out, so that nothing is set before.
    logical function admitted(error)
       type(poinsot_error), intent(inout) :: error
       admitted = poinsot_processor_fits() == 1
@@ -129,18 +129,18 @@ contains
       if (.not. raised(error)) call make_class(moments, body, error, physical)
    end subroutine poinsot_body_create_tensor
 
-   !> Free steps of n bodies of one kind, in place.
+   !> Free steps of n bodies with the same moments, in place.
    subroutine poinsot_rotate(body, method, h, steps, y, q, error, per_body, threads)
       type(poinsot_body), intent(in) :: body
       character(*), intent(in) :: method                          !! see poinsot_method_name
       real(dp), intent(in) :: h                                   !! step, either sign
-      integer, intent(in) :: steps                                !! how many
+      integer, intent(in) :: steps                                !! number of steps
       real(dp), intent(inout), target :: y(:, :)                  !! (3, n) angular momenta, body
                                                                   !! frame
       real(dp), intent(inout), target :: q(:, :)                  !! (4, n) attitudes
       type(poinsot_error), intent(inout) :: error
       integer(c_int), intent(inout), optional, target :: per_body(:) !! (n) status of each body
-      integer, intent(in), optional :: threads                    !! 0 or absent: as OpenMP says
+      integer, intent(in), optional :: threads                    !! 0 or absent: OpenMP's number
       if (admitted(error)) call rotate_rows(body, method, h, steps, y, q, error, per_body, threads)
    end subroutine poinsot_rotate
 
@@ -173,7 +173,7 @@ contains
       call raise_status(status, error)
    end subroutine rotate_rows
 
-   !> Some bodies failed: that is an error too.
+   !> Report bodies that failed as an error.
    subroutine raise_status(status, error)
       integer, intent(in) :: status
       type(poinsot_error), intent(inout) :: error
@@ -183,10 +183,10 @@ contains
    !> A view of bodies in rows: y(3, n), or (4, n) for a conjugate momentum, q(4, n).
    subroutine poinsot_bodies_rows(bodies, y, q, error)
       type(poinsot_bodies), intent(inout) :: bodies
-      real(dp), intent(in), target :: y(:, :)        !! momentum variable of the plan; must stay
-                                                     !! where it is
-      real(dp), intent(in), target :: q(:, :)        !! attitudes, scalar first; must stay where
-                                                     !! they are
+      real(dp), intent(in), target :: y(:, :)        !! momentum variable of the plan; must not be
+                                                     !! moved
+      real(dp), intent(in), target :: q(:, :)        !! attitudes, scalar first; must not be
+                                                     !! moved
       type(poinsot_error), intent(inout) :: error    !! POINSOT_E_SIZE for shapes that do not fit
       if (size(y, 1) < 3 .or. size(y, 1) > 4 .or. size(q, 1) /= 4 .or. &
           size(y, 2) /= size(q, 2)) then
@@ -212,8 +212,8 @@ contains
       end if
    end subroutine poinsot_bodies_arrays
 
-   !> An empty plan. A variable of this type is one already: for a second use, and for the symmetry
-   !> with C.
+   !> Make the plan empty. A new variable of this type is empty already: this is for using it again,
+   !> and for symmetry with C.
    subroutine poinsot_plan_create(plan, error)
       type(poinsot_plan), intent(inout) :: plan
       type(poinsot_error), intent(inout) :: error
@@ -226,7 +226,7 @@ contains
       end associate
    end subroutine empty
 
-   !> Add a body class by its moments; bodies name it by its number, from 1.
+   !> Add a body class by its moments; bodies refer to it by its number, from 1.
    subroutine poinsot_plan_add_class(plan, moments, number, error)
       type(poinsot_plan), intent(inout) :: plan
       real(dp), intent(in) :: moments(3)
@@ -235,8 +235,8 @@ contains
       if (admitted(error)) call add_class(plan, moments, number, error)
    end subroutine poinsot_plan_add_class
 
-   !> The class whose moments are nearest to these, none further than `tolerance` times the largest,
-   !> of several the lowest; or a new one.
+   !> The class whose moments are nearest, each within `tolerance` times the largest (the lowest
+   !> number of several); or a new one.
    subroutine poinsot_plan_find_class(plan, moments, tolerance, number, error)
       type(poinsot_plan), intent(inout) :: plan
       real(dp), intent(in) :: moments(3)
@@ -256,7 +256,7 @@ contains
       if (admitted(error)) call add_tensor_class(plan, inertia, number, error)
    end subroutine poinsot_plan_add_class_tensor
 
-   !> The principal axes of a class as the columns of a rotation; the identity for one made from
+   !> The principal axes of a class as the columns of a rotation; the identity for a class made from
    !> moments.
    subroutine poinsot_plan_class_axes(plan, number, axes, error)
       type(poinsot_plan), intent(in) :: plan
@@ -297,7 +297,7 @@ contains
       if (admitted(error)) call add_ready_effect(plan, own, error)
    end subroutine add_own_effect
 
-   !> Close the plan; from here on it takes no change.
+   !> Check the plan and make it ready; from then on it cannot be changed.
    subroutine poinsot_plan_ready(plan, error)
       type(poinsot_plan), intent(inout), target :: plan
       type(poinsot_error), intent(inout) :: error
@@ -321,7 +321,7 @@ contains
       type(poinsot_plan), intent(in) :: plan
       type(poinsot_bodies), intent(in) :: bodies
       real(dp), intent(in) :: h
-      real(dp), intent(in), target :: torque(:, :)   !! (3, n), in the frame that the plan says
+      real(dp), intent(in), target :: torque(:, :)   !! (3, n), in the plan's frame of torques
       type(poinsot_error), intent(inout) :: error
       type(column) :: columns(3)
       integer :: j, status
@@ -338,8 +338,8 @@ contains
    end subroutine poinsot_kick
 
    !> The flow of the plan's drag and thermostats over h, in the middle of a host's own step: kick
-   !> h/2, drift h/2, dissipate h, drift h/2, kick h/2. With step = k to the bit what step k of
-   !> `baoab` does there.
+   !> h/2, drift h/2, dissipate h, drift h/2, kick h/2. With step = k it is bitwise what step k of
+   !> `baoab` does.
    subroutine dissipate_long(plan, bodies, h, step, error)
       type(poinsot_plan), intent(in), target :: plan
       type(poinsot_bodies), intent(in) :: bodies
@@ -352,7 +352,7 @@ contains
       call raise_status(status, error)
    end subroutine dissipate_long
 
-   !> The same with a number of default kind.
+   !> The same with a step number of default kind.
    subroutine dissipate_plain(plan, bodies, h, step, error)
       type(poinsot_plan), intent(in), target :: plan
       type(poinsot_bodies), intent(in) :: bodies
@@ -362,7 +362,7 @@ contains
       call dissipate_long(plan, bodies, h, int(step, i8), error)
    end subroutine dissipate_plain
 
-   !> Steps number first to first + steps - 1 of length h; step k starts at t + k h.
+   !> Take steps number first to first + steps - 1 of size h; step k starts at t + k h.
    subroutine step_long(plan, bodies, t, h, first, steps, error, callback)
       type(poinsot_plan), intent(in), target :: plan
       type(poinsot_bodies), intent(in) :: bodies
@@ -376,7 +376,7 @@ contains
       call raise_status(status, error)
    end subroutine step_long
 
-   !> The same with numbers of default kind.
+   !> The same with step numbers of default kind.
    subroutine step_plain(plan, bodies, t, h, first, steps, error, callback)
       type(poinsot_plan), intent(in), target :: plan
       type(poinsot_bodies), intent(in) :: bodies

@@ -1,10 +1,10 @@
-!> Rotations, for programs: `use poinsot_rotation`. Vectors, quaternions, their conversions, random
-!> attitudes, inertia; in C they are poinsot_quaternion_...
+!> The public module of rotations: `use poinsot_rotation`. Vectors, quaternions, their conversions,
+!> random attitudes, inertia; in C they are poinsot_quaternion_...
 !>
 !> Quaternions are q = (q0, q1, q2, q3), scalar first, Hamilton's product. A unit quaternion is an
-!> attitude, body to space: x = Q X = rotate(q, X); q and -q are the same. Angles are radians, reals
-!> are `kind(1d0)`. Procedures that can fail have an argument `error`; the others say in their own
-!> files what they take.
+!> attitude, body to space: x = Q X = rotate(q, X); q and -q are the same attitude. Angles are in
+!> radians, reals are `kind(1d0)`. Procedures that can fail have an argument `error`; the valid
+!> arguments of the others are documented with them.
 module poinsot_rotation
    ! p o q, 1/q, |q|, q/|q|; Q v and Q^T v; e**q, log q
    use poinsot_rotation_quaternion, only: identity_quaternion, unit_tolerance, check_quaternion, &

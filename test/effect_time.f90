@@ -243,7 +243,7 @@ contains
       subroutine is_method(what)
          character(*), intent(in) :: what
          call expect(error, status, poinsot_e_method, what)
-         call expect(error, index(failure%message, "at which time") > 0, failure%message)
+         call expect(error, index(failure%message, "not given the time") > 0, failure%message)
          call clear(failure)
       end subroutine is_method
       subroutine bad(name, text, words)

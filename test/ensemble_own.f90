@@ -582,13 +582,13 @@ contains
       end do
       call make_plan("", "taylor", "exact", "body-momentum", plan)
       call step_bodies(plan, view, 0.0_dp, h, 0_i8, 1_i8, status, problem)
-      call refused(error, problem, poinsot_e_method, "'taylor' works by body class")
+      call refused(error, problem, poinsot_e_method, "'taylor' does not support moments")
       call make_plan("", "takahashi-imada", "exact", "body-momentum", plan)
       call step_bodies(plan, view, 0.0_dp, h, 0_i8, 1_i8, status, problem)
-      call refused(error, problem, poinsot_e_method, "'takahashi-imada' works by body class")
+      call refused(error, problem, poinsot_e_method, "'takahashi-imada' does not support moments")
       call make_plan("", "strang", "dmv6", "body-momentum", plan)
       call drift_bodies(plan, view, h, status, problem)
-      call refused(error, problem, poinsot_e_method, "'dmv6' works by body class")
+      call refused(error, problem, poinsot_e_method, "'dmv6' does not support moments")
    end subroutine test_moments_refused
 
    !> Moments that no body has; momentum about an axis without inertia.

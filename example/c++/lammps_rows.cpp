@@ -22,8 +22,8 @@ int main() try {
   std::vector<std::array<double, 4>> quat(n, {{0.5, 0.5, 0.5, 0.5}});
   std::vector<int> type(n);
   for (std::size_t i = 0; i < n; i++) {
-    // Types stand in any order: a call collects the bodies of each by itself, and the result of a body depends neither on its place
-    // nor on its neighbours. Sorted ones cost less of that; it is no reason to move a host's atoms.
+    // Types may be in any order: a call collects the bodies of each type itself, and the result of a body depends neither on its
+    // position nor on its neighbours. Sorted types cost a little less, which is no reason to move a host's atoms.
     type[i] = 1 + i % 2;
     angmom[i] = {{std::sin(i), std::cos(i), 1.0}};
   }

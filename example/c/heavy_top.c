@@ -1,4 +1,4 @@
-/* A spinning top by the C interface: cc heavy_top.c $(pkg-config --cflags --libs poinsot) -lm */
+/* A spinning top through the C interface: cc heavy_top.c $(pkg-config --cflags --libs poinsot) -lm */
 #include <math.h>
 #include <poinsot.h>
 #include <stdio.h>

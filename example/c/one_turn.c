@@ -1,5 +1,5 @@
-/* One turn of the polhode by the functions of arrays: a water molecule's momentum comes back after four quarter periods, 4 K(m) on
- * Jacobi's clock; its attitude does not. cc one_turn.c $(pkg-config --cflags --libs poinsot) -lm */
+/* One period of the polhode, with the array functions: a water molecule's momentum recurs after four quarter periods, 4 K(m) in
+ * Jacobi's time; its attitude does not. cc one_turn.c $(pkg-config --cflags --libs poinsot) -lm */
 #include <math.h>
 #include <poinsot.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 C     A fixed-form host with implicit interfaces: water and nitrogen,
-C     kicked and drifted as a molecular-dynamics code does it.
+C     kicked and drifted as in a molecular-dynamics code.
 C     gfortran molecules.f $(pkg-config --libs poinsot)
       PROGRAM MOLECS
       INTEGER NMOL
@@ -58,7 +58,7 @@ C     kick, drift, kick: ten steps with the host's own torques ...
      &                       EACH, STATUS)
          CALL CHECK('kick', STATUS)
    40 CONTINUE
-C     ... and ten more in one call, which asks for them
+C     ... and ten more in one call, which calls back for them
       CALL STEPS(PLAN, NMOL, Y, Q, CLASS, H, EACH, STATUS)
       CALL CHECK('step', STATUS)
       CALL TOTAL(PLAN, NMOL, Y, Q, CLASS, KIN, POT, AFTER)
@@ -69,7 +69,7 @@ C     ... and ten more in one call, which asks for them
       IF (ABS(AFTER - BEFORE) .GT. 1D-3*ABS(BEFORE)) STOP 3
       END
 
-C     Ten steps in one call: the library calls ASKED for the torques
+C     Ten steps in one call: the library calls ASKED for torques
       SUBROUTINE STEPS(PLAN, N, Y, Q, CLASS, H, EACH, STATUS)
       INTEGER*8 PLAN
       INTEGER N, CLASS(*), EACH(*), STATUS
@@ -87,8 +87,8 @@ C     Ten steps in one call: the library calls ASKED for the torques
       END
 
 C     Dipole along body axis 1, field along space axis 3: torque in
-C     the space frame. Component K of body I stands NB*(I-1) + NC*(K-1)
-C     numbers after the first, for Q 4 rather than 3.
+C     the space frame. Component K of body I is NB*(I-1) + NC*(K-1)
+C     numbers after the first, with 4 for Q instead of 3.
       SUBROUTINE FIELD(N, Q, TORQUE, NB, NC)
       INTEGER N, NB, NC, I, J, L
       DOUBLE PRECISION Q(*), TORQUE(*), A, B, C, D
@@ -106,7 +106,7 @@ C     numbers after the first, for Q 4 rather than 3.
    10 CONTINUE
       END
 
-C     Energy of all; that of the field is -mu.E = -Q31
+C     Total energy; that of the field is -mu.E = -Q31
       SUBROUTINE TOTAL(PLAN, N, Y, Q, CLASS, KIN, POT, H)
       INTEGER*8 PLAN
       INTEGER N, CLASS(*), STATUS, I

@@ -1,4 +1,4 @@
-!> A spinning top by `use poinsot`: gfortran heavy_top.f90 $(pkg-config --cflags --libs poinsot)
+!> A spinning top with `use poinsot`: gfortran heavy_top.f90 $(pkg-config --cflags --libs poinsot)
 program heavy_top
    use poinsot, only: poinsot_bodies, poinsot_bodies_rows, poinsot_energy, poinsot_error, &
       poinsot_plan, poinsot_plan_add_class, poinsot_plan_add_effect, poinsot_plan_ready, &

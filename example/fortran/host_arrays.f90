@@ -1,5 +1,5 @@
-!> A host with an array per component, as `use poinsot` serves it: linear and bent molecules among
-!> frozen ones, half-step kicks, a thermostat of the middle scheme, and a restart.
+!> A host with one array per component, with `use poinsot`: linear and bent molecules among
+!> frozen ones, half-step kicks, a thermostat in the middle of the step, and a restart.
 !> gfortran host_arrays.f90 $(pkg-config --cflags --libs poinsot)
 program host_arrays
    use, intrinsic :: iso_fortran_env, only: int64
@@ -52,7 +52,7 @@ contains
       frozen = 10
       do i = 1, n
          kind_of(i) = 1 + mod(i, 2)
-         if (i <= frozen) kind_of(i) = -1 ! does not turn
+         if (i <= frozen) kind_of(i) = -1 ! does not rotate
          id(i) = i
       end do
       omx = 0
@@ -64,7 +64,7 @@ contains
       q3 = 0
    end subroutine set_up
 
-   !> Show the host's arrays to the library. Anew whenever they are allocated or sorted anew.
+   !> Make the view of the host's arrays. To be repeated whenever they are reallocated or sorted.
    subroutine show(view)
       type(poinsot_bodies), intent(inout) :: view
       view%n = n
@@ -106,7 +106,7 @@ contains
       all = reshape([omx, omy, omz, q0, q1, q2, q3], [n, 7])
    end function state
 
-   !> From the state of step 1000, as binary numbers: the same state at step 2000, to the bit.
+   !> From the state of step 1000, as binary numbers: bitwise the same state at step 2000.
    subroutine restart_repeats
       real(dp) :: end_state(n, 7)
       end_state = state()
@@ -124,7 +124,7 @@ contains
       if (any(abs(q0(:frozen) - 1) > 0)) error stop "a frozen molecule turned"
    end subroutine restart_repeats
 
-   !> What a host does about errors.
+   !> Error handling of a host.
    subroutine check(what)
       character(*), intent(in) :: what
       if (.not. error%raised()) return

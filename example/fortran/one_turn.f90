@@ -1,5 +1,6 @@
-!> One turn of the polhode, by `use poinsot_rotation` and `use poinsot_elliptic`: a water molecule's
-!> momentum comes back after four quarter periods, 4 K(m) on Jacobi's clock; its attitude does not.
+!> One period of the polhode, with `use poinsot_rotation` and `use poinsot_elliptic`: a water
+!> molecule's momentum recurs after four quarter periods, 4 K(m) in Jacobi's time; its attitude does
+!> not.
 !>    gfortran one_turn.f90 $(pkg-config --cflags --libs poinsot)
 program one_turn
    use poinsot, only: poinsot_body, poinsot_body_create, poinsot_rotate

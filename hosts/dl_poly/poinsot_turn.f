@@ -1,14 +1,14 @@
-C     DL_POLY Classic's rigid bodies turned by poinsot. This file is
-C     compiled with the host's own; use_poinsot.sh puts the calls in.
+C     Rotation of DL_POLY Classic's rigid bodies by poinsot. This file
+C     is compiled with the host; use_poinsot.sh inserts the calls.
 C
 C     POINSOT_TURN    free rotation of bodies FIRST to LAST over H, in
 C                     place of NOSQUISH: quaternions Q0 to Q3, conjugate
 C                     momenta P0 to P3 = 2 q o (0, body momentum)
 C     POINSOT_STAGE   lengths of the next kick and drift of the step
 C
-C     The plan, made at the first call, knows all bodies by their type:
-C     class K is type K of the host. One plan per process, as it has one
-C     system.
+C     The plan, made at the first call, has a class for each type of
+C     bodies: class K is type K of the host. One plan per process, which
+C     has one system.
       SUBROUTINE POINSOT_TURN(FIRST, LAST, NGRP, H, MXTYPE, RX, RY, RZ,
      &                        KIND, Q0, Q1, Q2, Q3, P0, P1, P2, P3)
       IMPLICIT NONE
@@ -39,7 +39,7 @@ C     system.
       END
 
 C     Types of bodies into a plan. Where the host has 1/I = 0, a linear
-C     molecule, the moment is 0: whatever rounding left there is none.
+C     molecule, the moment is 0, whatever rounding errors left there.
       SUBROUTINE POINSOT_TYPES(NTYPE, MXTYPE, RX, RY, RZ)
       IMPLICIT NONE
       INTEGER NTYPE, MXTYPE, K, NUMBER, STATUS
@@ -107,7 +107,7 @@ C     ISW = 1 or 2, the half of the host's step, as the host calls it
       END IF
       END
 
-C     Status 0 is well; any other ends the run, with poinsot's sentence.
+C     Status 0 is OK; any other ends the run, with poinsot's message.
       SUBROUTINE POINSOT_REFUSED(WHAT, STATUS)
       IMPLICIT NONE
       CHARACTER*(*) WHAT

@@ -1,13 +1,13 @@
 // LAMMPS's two rotations of a rigid body, done exactly.
 //
-// Preloaded (LD_PRELOAD), this library stands before LAMMPS's own MathExtra::richardson (fix rigid, fix rigid/small,
+// Preloaded (LD_PRELOAD), this library replaces LAMMPS's own MathExtra::richardson (fix rigid, fix rigid/small,
 // fix nve/asphere ...) and MathExtra::no_squish_rotate (fix rigid/nve, rigid/nvt, rigid/npt ...). No header of LAMMPS is
-// needed: only the two signatures and what they do are known here. The calls of one body go to poinsot; what poinsot
-// refuses, and what does not look as assumed, is done the old way by the formulas below and counted.
+// needed: only the two signatures and their meaning are assumed. The calls for a body go to poinsot; bodies that poinsot
+// refuses, and calls that differ from what is assumed, are computed with LAMMPS's formulas below and counted.
 //
-//   POINSOT_LAMMPS_REPORT=1      at the end of the process: how many calls were taken, by which method
+//   POINSOT_LAMMPS_REPORT=1      at the end of the process: the number of calls done by poinsot, and the method
 //   POINSOT_LAMMPS_METHOD=exact  the method (any of `poinsot methods`)
-//   POINSOT_LAMMPS_OFF=1         the old way throughout, for comparison
+//   POINSOT_LAMMPS_OFF=1         LAMMPS's formulas throughout, for comparison
 #include <poinsot.h>
 
 #include <atomic>
@@ -119,8 +119,8 @@ void angular_velocity(const double q[4], const double m[3], const double moments
   turn(q, y, w);
 }
 
-// Turn one body freely over h; false: refused, q is not changed. About an axis without inertia LAMMPS lets nothing turn,
-// whatever momentum rounding has left there.
+// Free rotation of one body over h; false: refused, q is not changed. In LAMMPS there is no rotation about an axis without
+// inertia, whatever momentum rounding errors have left there.
 bool rotate(const double moments[3], double h, double y[3], double q[4]) {
   for (int j = 0; j < 3; j++)
     if (!(moments[j] > 0)) y[j] = 0;
@@ -131,7 +131,7 @@ bool rotate(const double moments[3], double h, double y[3], double q[4]) {
   return false;
 }
 
-// ---- the old way: one step of q' = w q / 2 with momentum m kept, extrapolated after Richardson -----------------------------
+// ---- LAMMPS's formulas: one step of q' = w q / 2 with momentum m kept, extrapolated after Richardson -----------------------------
 
 void advance(const double w[3], double h, double q[4]) {
   const double pure[4] = {0, w[0], w[1], w[2]};
@@ -152,7 +152,7 @@ void richardson_step(double q[4], const double m[3], double w[3], const double m
   normalize(q);
 }
 
-// A turn about body axis k by the momentum's component along it: a factor of the splitting by Miller et al. (2002).
+// A rotation about body axis k by the component of the momentum along it: a factor of the splitting by Miller et al. (2002).
 void turn_about(int k, double p[4], double q[4], const double moments[3], double h) {
   static const double units[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
   double pk[4], qk[4], phi = 0;
@@ -170,12 +170,12 @@ void turn_about(int k, double p[4], double q[4], const double moments[3], double
   }
 }
 
-// ---- five turns as one: axes 3, 2, 1, 2, 3 over h/2, h/2, h, h/2, h/2 of one body are a step of h ---------------------------
+// ---- five rotations as one: axes 3, 2, 1, 2, 3 over h/2, h/2, h, h/2, h/2 of one body are a step of h ---------------------------
 
 const int order[5] = {3, 2, 1, 2, 3};
 
-// A place in LAMMPS that begins such a sequence. The first sequence from a place is done the old way and watched; if it is
-// the one above, later ones are taken.
+// A call site in LAMMPS where such a sequence begins. The first sequence from a site is computed with LAMMPS's formulas and
+// checked; if it is the one above, later ones are replaced.
 enum class Trust { unknown, yes, no };
 struct Place {
   void *address = nullptr;
@@ -205,7 +205,7 @@ struct Sequence {
     return k == order[done] && p_now == p && q_now == q && moments_now == moments && h_now == (done == 2 ? 2 * h : h);
   }
 
-  // The calls that were left out, after all.
+  // Make up for the calls that were skipped.
   void catch_up() {
     if (skipping)
       for (int i = 0; i < done; i++) turn_about(order[i], p, q, moments, i == 2 ? 2 * h : h);

@@ -1,4 +1,4 @@
-// What both fixes share: a plan, made for a method and a number of threads, and bodies whose moments are known one by one.
+// Shared by both fixes: a plan for a method and a number of threads, and bodies with moments given one by one.
 #ifndef POINSOT_LAMMPS_TURN_H
 #define POINSOT_LAMMPS_TURN_H
 
@@ -18,11 +18,11 @@ class Turn {
   Turn &operator=(const Turn &) = delete;
   ~Turn() { poinsot_plan_destroy(&plan_); }
 
-  // Make the plan; "" or what is wrong, as a sentence. To be called before each run: threads may have changed.
+  // Make the plan; returns "" or an error message. To be called before each run: the number of threads may have changed.
   std::string prepare(int threads);
 
-  // Turn the bodies of a view with space-frame momenta freely over h, each by the moments that the view has for it. "", or what is wrong,
-  // and *first the number in the view of the first body that failed (-1: it is none's fault).
+  // Free rotation over h of the bodies of a view with space-frame momenta, each with its moments in the view. Returns "" or an error
+  // message, with *first the number in the view of the first body that failed (-1: not the fault of a body).
   std::string turn(poinsot_bodies view, double h, long *first);
 
  private:
@@ -33,7 +33,7 @@ class Turn {
   int threads_ = 1;
   poinsot_plan *plan_ = nullptr;
   std::vector<poinsot_status> status_;
-  // Methods other than exact and jacobi know bodies by classes: one for each set of moments seen so far.
+  // Methods other than exact and jacobi need body classes: one for each set of moments seen so far.
   bool by_class_ = false;
   std::map<std::array<double, 3>, int> known_;
   std::vector<std::array<double, 3>> classes_;

@@ -1,6 +1,6 @@
-!> What C functions on arrays have in common: are the arrays there, and what an element without an
-!> answer gets. Dummy arguments of these functions are optional, which is how a NULL arrives, and
-!> targets, because a result may stand in the place of an argument.
+!> Shared code of C functions on arrays: tests for missing arrays, and the result of an element
+!> outside the domain. Dummy arguments of these functions are optional, which is how a NULL arrives,
+!> and targets, because an output may be the same array as an input.
 module poinsot_api_arrays
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_size_t

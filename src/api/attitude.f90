@@ -1,5 +1,5 @@
-!> Behind the C entry points that convert attitudes, on rows: matrix, rotation vector, axis and
-!> angle, Cayley vector, Euler angles. See include/poinsot.h and cpu_check.c.
+!> Implementation of the C functions that convert attitudes, on rows: matrix, rotation vector, axis
+!> and angle, Cayley vector, Euler angles. See include/poinsot.h and cpu_check.c.
 module poinsot_api_attitude
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_ptr, c_size_t

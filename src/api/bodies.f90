@@ -1,4 +1,5 @@
-!> Behind the C entry points that fill a view of bodies. See include/poinsot.h and cpu_check.c.
+!> Implementation of the C functions that fill a view of bodies. See include/poinsot.h and
+!> cpu_check.c.
 module poinsot_api_bodies
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int8_t, &
       c_loc, c_ptr, c_size_t, c_sizeof

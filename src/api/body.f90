@@ -1,5 +1,5 @@
-!> Behind the C entry points for one kind of body: create, destroy, rotate. See include/poinsot.h
-!> and cpu_check.c.
+!> Implementation of the C functions for bodies with the same moments: create, destroy, rotate. See
+!> include/poinsot.h and cpu_check.c.
 module poinsot_api_body
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
       c_null_ptr, c_ptr, c_ptrdiff_t, c_size_t
@@ -109,7 +109,7 @@ contains
       status = rotate_by(0_c_int, body, method, h, steps, n, y, q, per_body)
    end function rotate
 
-   !> The same by a number of threads: legacy.c asks for one.
+   !> The same with a given number of threads: legacy.c uses one.
    integer(c_int) function rotate_by(threads, body, method, h, steps, n, y, q, per_body) &
       bind(c, name="poinsot_do_rotate_by") result(status)
       integer(c_int), value :: threads !! 0: as OpenMP says, where the work is long enough

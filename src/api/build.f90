@@ -1,6 +1,5 @@
-!> What processor the Fortran part of this build was compiled for, as constant data:
-!> src/api/cpu_check.c
-!> reads it before anything else runs.
+!> The processor that the Fortran part of this build was compiled for, as constant data:
+!> src/api/cpu_check.c reads it before anything else runs.
 module poinsot_api_build
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: compiler_options

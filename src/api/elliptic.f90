@@ -1,7 +1,8 @@
-!> Behind the C entry points of elliptic functions and integrals, on arrays. See include/poinsot.h
-!> and cpu_check.c.
+!> Implementation of the C functions for elliptic functions and integrals, on arrays. See
+!> include/poinsot.h and cpu_check.c.
 !>
-!> Each element is read before its result is written, so that both may stand at one place.
+!> Each element is read before its result is written, so that input and output may be the same
+!> array.
 module poinsot_api_elliptic
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_size_t
@@ -75,7 +76,7 @@ contains
       end do
    end subroutine fill
 
-   !> 1 - m, the given or the computed one; what is not finite is left to others to answer.
+   !> 1 - m, as given or computed; non-finite values are handled elsewhere.
    pure real(dp) function complement(i, m, m1)
       integer(c_size_t), intent(in) :: i
       real(c_double), intent(in) :: m

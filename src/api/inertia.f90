@@ -1,5 +1,5 @@
-!> Behind the C entry points of inertia: point masses, principal axes, and whether a body has such
-!> moments or such a tensor. See include/poinsot.h and cpu_check.c.
+!> Implementation of the C functions for inertia: point masses, principal axes, and tests of moments
+!> and tensors. See include/poinsot.h and cpu_check.c.
 module poinsot_api_inertia
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr, c_size_t
    use poinsot_api_arrays, only: check_arrays

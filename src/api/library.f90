@@ -1,4 +1,4 @@
-!> C entry points that ask the library about itself: version, statuses, features, methods. See
+!> C functions that return information about the library: version, statuses, features, methods. See
 !> include/poinsot.h.
 module poinsot_api_library
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_int, &

@@ -1,5 +1,4 @@
-!> Behind the C entry points of the plan: create, fill, close, ask. See include/poinsot.h and
-!> cpu_check.c.
+!> Implementation of the C functions for the plan. See include/poinsot.h and cpu_check.c.
 module poinsot_api_plan
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
       c_null_ptr, c_ptr, c_size_t

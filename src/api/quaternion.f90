@@ -1,9 +1,9 @@
-!> Behind the C entry points of quaternion algebra, on rows [n][4]. See include/poinsot.h and
-!> cpu_check.c.
+!> Implementation of the C functions for quaternion algebra, on rows [n][4]. See include/poinsot.h
+!> and cpu_check.c.
 !>
-!> Each row is read before its result is written, so that both may stand at one place. Products are
-!> taken of numbers near 1 where they could leave the range: a result out of range is none, and
-!> raises nothing.
+!> Each row is read before its result is written, so that input and output may be the same array.
+!> Products that could overflow are computed with scaled factors: a result out of range is NaN, and
+!> raises no exception.
 module poinsot_api_quaternion
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_size_t

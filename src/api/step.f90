@@ -1,5 +1,5 @@
-!> Behind the C entry points that a host calls every step: drift, kick, step, and what an ensemble
-!> has. See include/poinsot.h and cpu_check.c.
+!> Implementation of the C functions that a host calls every step: drift, kick, step, and
+!> observables of an ensemble. See include/poinsot.h and cpu_check.c.
 module poinsot_api_step
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_f_procpointer, &
       c_funptr, c_int, c_int64_t, c_loc, c_null_ptr, c_ptr, c_ptrdiff_t, c_size_t, c_sizeof

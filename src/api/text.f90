@@ -1,4 +1,4 @@
-!> Text across the C border.
+!> Conversion of strings between C and Fortran.
 module poinsot_api_text
    use, intrinsic :: iso_c_binding, only: c_char, c_ptr, c_null_char, c_size_t, &
       c_associated, c_f_pointer

@@ -1,4 +1,4 @@
-!> Numbers that several modules need.
+!> Constants that several modules need.
 module poinsot_core_constants
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)

@@ -1,10 +1,10 @@
-!> Numbers as text, fast: 17 significant digits, correctly rounded, so that every double reads back
-!> to
-!> its bits. The Fortran run-time library takes twenty times as long for the same characters.
+!> Fast conversion of numbers to text: 17 significant digits, correctly rounded, so that every
+!> double is read back exactly. The Fortran run-time library takes twenty times as long for the same
+!> characters.
 !>
-!> x 10^p with p chosen so that 17 digits stand before the point, in a sum of two doubles (about 104
-!> bits). Where 40 bits behind the point do not decide the last digit, a tie for instance, the
-!> run-time library does.
+!> x 10^p, with p chosen so that 17 digits precede the point, is computed as a sum of two doubles
+!> (about 104 bits). Where 40 bits after the point do not determine the last digit, for example at a
+!> tie, the run-time library is used.
 module poinsot_core_decimal
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
@@ -215,7 +215,7 @@ contains
       n = n + 6 + last
    end subroutine append_digits
 
-   !> Write a whole number behind the first n characters of a text.
+   !> Append a whole number to the first n characters of a text.
    pure subroutine append_integer(number, text, n)
       integer(i8), intent(in) :: number
       character(*), intent(inout) :: text !! with room for longest_number characters more

@@ -1,5 +1,4 @@
-!> How a procedure says no: a status value, and a sentence that names what, where and what would
-!> be right.
+!> Error reports: a status value, and a message that says what is wrong, where, and what is allowed.
 module poinsot_core_error
    use poinsot_core_status, only: poinsot_ok, status_text
    implicit none(type, external)
@@ -7,7 +6,7 @@ module poinsot_core_error
    public :: poinsot_error, clear, raise, raised
 
    !> An error, or none (`code == poinsot_ok`). Comes back through an argument that is not optional.
-   !> Who sees the type has `error%raised()` and `call error%clear()` too.
+   !> The type also has `error%raised()` and `call error%clear()`.
    type :: poinsot_error
       integer :: code = poinsot_ok
       character(:), allocatable :: message

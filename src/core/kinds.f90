@@ -1,4 +1,4 @@
-!> Kinds and the sizes that all modules share.
+!> Kinds and sizes shared by all modules.
 module poinsot_core_kinds
    use, intrinsic :: iso_fortran_env, only: real32, real64, real128, real_kinds, int32, int64
    implicit none(type, external)

@@ -1,5 +1,4 @@
-!> Questions to all lanes of a block at once, without the early way out that keeps a compiler from
-!> using vectors.
+!> Tests over all lanes of a block, without the early exit that would prevent vectorisation.
 module poinsot_core_lanes
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_status, only: poinsot_ok

@@ -1,5 +1,5 @@
-!> The length of a vector with the same bits in all units that are powers of two. The intrinsic
-!> norm2 has not: it scales by the largest component, but starts from 1.
+!> The norm of a vector, bitwise the same in all units that differ by powers of two. The intrinsic
+!> norm2 is not: it scales by the largest component, but starts from 1.
 module poinsot_core_length
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp

@@ -1,9 +1,9 @@
 !> Elementary functions of one number, from the C library.
 !>
-!> Of the intrinsic ones gfortran may make calls of a vector library, which is up to 4 units in the
-!> last place off and gives other bits for an element at the end of an array. These it cannot: a
-!> number gives the same bits wherever it stands. Within 1 ulp, in every rounding mode; no exception
-!> but underflow on the arguments that they are for.
+!> gfortran may replace the intrinsic ones by calls of a vector library, which has errors up to 4
+!> ULP and other bits for elements at the end of an array. It cannot replace these: a number gives
+!> bitwise the same result at every position. Errors within 1 ULP, in every rounding mode; on the
+!> arguments that they are used for, no exception except underflow.
 module poinsot_core_libm
    use, intrinsic :: iso_c_binding, only: c_double
    implicit none(type, external)

@@ -1,6 +1,5 @@
-!> Largest values that do not lose a NaN: max and maxval of the language may, and an error that is
-!> no
-!> number would pass for a small one.
+!> Largest values that do not lose a NaN: the intrinsics max and maxval may, and an error that is
+!> NaN would pass for a small one.
 module poinsot_core_maxima
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp

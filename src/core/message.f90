@@ -1,4 +1,4 @@
-!> Parts of messages: where something stands, and texts of users that are safe to show.
+!> Parts of messages: places in files, and text from users made safe to print.
 module poinsot_core_message
    implicit none(type, external)
    private

@@ -1,4 +1,4 @@
-!> The known name nearest to one that is not known: the second half of every refusal of a name.
+!> The known name nearest to an unknown one, to be suggested in messages.
 module poinsot_core_nearest
    implicit none(type, external)
    private

@@ -1,6 +1,6 @@
-!> Numbers as people write them, in scene files, settings and tables, checked letter by letter
-!> before Fortran reads them: a host may run with floating-point traps on, so a text such as 1e999
-!> must never reach the run-time library.
+!> Numbers in scene files, settings and tables, checked character by character before Fortran reads
+!> them: a host may run with floating-point traps on, so a text such as 1e999 must never reach the
+!> run-time library.
 module poinsot_core_number
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
@@ -61,7 +61,7 @@ contains
       read (text, *) value
    end subroutine parse_real
 
-   !> The power of ten behind the letter at `mark`; number_range for more than six digits.
+   !> The power of ten after the letter at `mark`; number_range for more than six digits.
    pure subroutine parse_power(word, mark, power, outcome)
       character(*), intent(in) :: word
       integer, intent(in) :: mark
@@ -110,7 +110,7 @@ contains
       outcome = number_ok
    end subroutine parse_integer
 
-   !> How often the value at the beginning of a text is meant: `3*0` says it three times.
+   !> The repeat count of the value at the start of a text: 3 in `3*0`.
    pure subroutine parse_repeats(text, repeats, length, good)
       character(*), intent(in) :: text
       integer, intent(out) :: repeats !! 0: there is no count

@@ -1,4 +1,4 @@
-!> The ascending order of three numbers: moments of inertia, mostly.
+!> Sorting three numbers in ascending order, mostly moments of inertia.
 module poinsot_core_order
    use poinsot_core_kinds, only: dp
    implicit none(type, external)

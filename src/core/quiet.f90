@@ -1,5 +1,5 @@
-!> Arithmetic whose result is looked at before it is used: for a while nothing traps, and what it
-!> raised is forgotten.
+!> Arithmetic whose result is checked before it is used: traps are disabled meanwhile, and the flags
+!> that it raised are cleared.
 module poinsot_core_quiet
    use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_status, ieee_set_halting_mode, &
       ieee_set_status, ieee_status_type, ieee_support_halting
@@ -21,7 +21,7 @@ module poinsot_core_quiet
 
 contains
 
-   !> From here on nothing traps, in this thread.
+   !> Disable traps in this thread.
    subroutine begin_quiet(state)
       type(quiet_state), intent(out) :: state
       integer :: i

@@ -1,15 +1,14 @@
-!> Is this thread's arithmetic the one that the kernels are written for?
+!> Is the rounding mode of this thread the one that the kernels are written for?
 !>
-!> Kernels round to integers by adding and subtracting a large number, and take sums apart into
-!> what was rounded off: both are right in rounding to nearest only. A host may have set another
-!> mode (fesetround, _MM_SET_ROUNDING_MODE), and each thread has one of its own. So every thread
-!> that computes asks before it does, once for a chunk of bodies, and answers POINSOT_E_DOMAIN if
-!> it must not:
+!> Kernels round to integers by adding and subtracting a large number, and compute rounding errors
+!> of sums exactly: both require rounding to nearest. A host may have set another mode (fesetround,
+!> _MM_SET_ROUNDING_MODE), separately for each thread. So every thread that computes tests it first,
+!> once per chunk of bodies, and otherwise sets POINSOT_E_DOMAIN:
 !>
 !>     if (.not. rounds_to_nearest()) then ... each body of the chunk gets poinsot_e_domain
 !>
-!> In a parallel region the question stands inside it: the thread that opened it may round
-!> otherwise than its workers. It takes two additions, and raises no exception but inexact.
+!> In a parallel region the test must be inside: the thread that opened it may have another mode
+!> than its workers. It takes two additions, and raises no exception except inexact.
 module poinsot_core_rounding
    use poinsot_core_kinds, only: dp
    implicit none(type, external)

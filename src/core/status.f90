@@ -1,5 +1,4 @@
-!> The one list of status values: code and text together. C sees the same numbers
-!> (include/poinsot.h).
+!> The list of status values, with their texts. C has the same numbers (include/poinsot.h).
 module poinsot_core_status
    implicit none(type, external)
    private

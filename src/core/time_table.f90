@@ -6,7 +6,7 @@ module poinsot_core_time_table
    private
    public :: time_table, time_table_list
 
-   !> The table. At a jump it has the value behind it.
+   !> The table; at a jump, the value after it.
    type :: time_table
       real(dp), allocatable :: times(:)       !! (n), ascending, none more than twice
       real(dp), allocatable :: values(:, :)   !! (3, n)

@@ -1,10 +1,9 @@
-!> A user's own torque: extend one of two types and give one procedure for one body.
+!> A user's own torque: extend one of two types and provide one procedure for one body.
 !>
 !> `user_torque`: the body torque itself. `user_potential`: U and dU/dQ (3 x 3); the body torque is
-!> -rot(Q^T dU/dQ), equation (8) of the review. Both are asked in the frame in which the class was
-!> given to the plan. Whoever wants whole blocks, in principal frames, extends torque_effect
-!> instead. A scheme with a force gradient needs `add_derivative` and `has_gradient`, which a user
-!> may override.
+!> -rot(Q^T dU/dQ), equation (8) of the review. Both are called in the frame in which the class was
+!> given to the plan. For whole blocks, in principal frames, extend torque_effect instead. A scheme
+!> with force gradients needs `add_derivative` and `has_gradient`, which a user may override.
 module poinsot_effect_callback
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_body_class, only: body_class
@@ -58,7 +57,7 @@ module poinsot_effect_callback
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function callback_row() result(row)
       type(effect_row) :: row
       row%info%name = callback_label%name

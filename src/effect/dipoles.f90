@@ -1,5 +1,5 @@
-!> Point dipoles at fixed positions: every pair turns both. For moderate numbers of bodies (cost
-!> n^2).
+!> Point dipoles at fixed positions, with torques between all pairs. For moderate numbers of bodies
+!> (cost n^2).
 module poinsot_effect_dipoles
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size
@@ -38,7 +38,7 @@ module poinsot_effect_dipoles
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function dipoles_row() result(row)
       type(effect_row) :: row
       row%info%name = dipoles_label%name
@@ -93,7 +93,7 @@ contains
       if (.not. raised(error)) made = new
    end subroutine make_dipoles
 
-   !> A conservative force that knows all directions between bodies.
+   !> A conservative force that depends on all directions between bodies.
    pure subroutine get_traits(self, traits)
       class(dipoles), intent(in) :: self
       type(effect_traits), intent(out) :: traits

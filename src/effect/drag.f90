@@ -26,7 +26,7 @@ module poinsot_effect_drag
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function drag_row() result(row)
       type(effect_row) :: row
       row%info%name = drag_label%name

@@ -1,10 +1,9 @@
-!> What an effect is: four kinds, told apart by how they enter a step (mathematics.md sections 5 to
-!> 7).
+!> Effects: four kinds, distinguished by how they enter a step (mathematics.md sections 5 to 7).
 !>
 !> A torque effect is a kick; a flow effect acts before and after the whole step; a gyrostat
 !> (gyrostat.f90) changes the drift; a pair effect is a kick that couples bodies. All work on blocks
-!> of one body class, in its principal frame. Torques add. Scalars that depend on time or class only
-!> are computed once per call; lanes see no libm.
+!> of one body class, in its principal frame. Torques add. Scalars that depend only on time or class
+!> are computed once per call; code for lanes does not call libm.
 module poinsot_effect_effect
    use poinsot_core_kinds, only: dp, i8, lanes, name_length
    use poinsot_body_class, only: body_class
@@ -26,7 +25,7 @@ module poinsot_effect_effect
       procedure :: get_traits => get_no_traits
    end type effect
 
-   !> A place for one effect of any kind, so that effects can stand in an array.
+   !> A container for one effect of any kind, so that effects can be in an array.
    type :: effect_item
       class(effect), allocatable :: it
       type(setting), allocatable :: settings(:) !! it was made from; a program's own has none

@@ -39,7 +39,7 @@ module poinsot_effect_field
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function field_row() result(row)
       type(effect_row) :: row
       row%info%name = field_label%name

@@ -1,10 +1,9 @@
-!> Formulas as a user writes them, compiled: `k*(1 - Q33)^2`.
+!> Compiler for formulas of users, such as `k*(1 - Q33)^2`.
 !>
-!> Numbers, names and functions in either case; + - * / ^ (or **) with the usual precedence, ^ from
-!> the
-!> right and before a minus in front; parentheses. Q11 ... Q33 are the elements of the attitude, t
-!> the
-!> time, pi is pi. A recursive descent of three levels, a node for each operation.
+!> Numbers, names and functions in upper or lower case; + - * / ^ (or **) with the usual precedence,
+!> ^ right-associative and binding tighter than a leading minus; parentheses. Q11 ... Q33 are the
+!> elements of the attitude, t the time, pi is pi. A recursive descent of three levels, with a node
+!> for each operation.
 module poinsot_effect_formula
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -164,7 +163,7 @@ contains
       if (is_attitude) is_attitude = name(1:1) == "q" .and. verify(name(2:3), "123") == 0
    end function is_attitude
 
-   !> A name from here on; "" if there is none.
+   !> The name at this position; "" if there is none.
    subroutine read_name(r, name)
       type(reader), intent(inout) :: r
       character(:), allocatable, intent(out) :: name
@@ -328,7 +327,7 @@ contains
       r%at = r%at + 1
    end subroutine expect
 
-   !> What a name stands for.
+   !> The meaning of a name.
    subroutine find_name(r, f, name, first, k, error)
       type(reader), intent(in) :: r
       type(formula), intent(inout) :: f

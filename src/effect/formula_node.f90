@@ -1,10 +1,9 @@
-!> A formula as a list of operations, each on results of earlier ones: what its text is compiled to
-!> and what blocks run.
+!> A formula as a list of operations on the results of earlier ones: what formulas are compiled to
+!> and blocks run.
 !>
-!> A node is uniform if it is the same for all bodies (constants, the time, what is made of them),
-!> else
-!> it has a value in every lane. Subtraction, division, powers and tangents are made of the few
-!> operations here, so that each has one derivative in one place.
+!> A node is uniform if it is the same for all bodies (constants, the time, and functions of these);
+!> otherwise it has a value in every lane. Subtraction, division, powers and tangents are composed
+!> of the few operations here, so that each has one derivative in one place.
 module poinsot_effect_formula_node
    use, intrinsic :: iso_c_binding, only: c_double
    use poinsot_core_kinds, only: dp
@@ -30,7 +29,7 @@ module poinsot_effect_formula_node
       op_tanh = 23, op_abs = 24
    integer, parameter :: op_power = 25 !! to the power of a uniform b
 
-   !> The nodes in the order in which they are worked out; operands stand before.
+   !> The nodes in the order of evaluation; operands precede.
    type :: formula
       integer :: n = 0                          !! nodes; the last one may not be the result
       integer :: result = 0                     !! the node that is
@@ -145,7 +144,7 @@ contains
       k = f%n
    end subroutine new_node
 
-   !> The result of an operation on numbers. It may be no number: call it where nothing traps.
+   !> The result of an operation on numbers. It may be NaN: call it with traps disabled.
    elemental real(dp) function value_of(op, x, y) result(value)
       integer, intent(in) :: op
       real(dp), intent(in) :: x, y !! y of operations on two

@@ -1,7 +1,6 @@
-!> A compiled formula on a block: its value, its derivatives with respect to the elements of Q
-!> backwards through the nodes, and their change along a change of Q, forwards and backwards. Exact
-!> but
-!> for rounding.
+!> A compiled formula on a block: its value; its derivatives with respect to the elements of Q, by
+!> reverse-mode differentiation; and their change along a change of Q, by forward and reverse mode.
+!> Exact up to rounding errors.
 module poinsot_effect_formula_run
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_effect_formula_node, only: formula, value_of, most_nodes, op_attitude, op_time, &
@@ -66,7 +65,7 @@ contains
       is_tame = .true.
    end function is_tame
 
-   !> What is uniform, at time t.
+   !> Evaluate the uniform nodes at time t.
    pure subroutine run_uniform(f, t, s)
       type(formula), intent(in) :: f
       real(dp), intent(in) :: t

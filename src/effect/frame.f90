@@ -1,6 +1,6 @@
-!> Settings of an effect seen from the principal frame of a class that was given in another one.
+!> Settings of an effect in the principal frame of a class that was given in another frame.
 !>
-!> Which numbers are body vectors, and which stand for axes, is in the description of the keys: an
+!> The descriptions of the keys say which numbers are body vectors and which refer to axes: an
 !> effect that describes its keys needs nothing else here.
 module poinsot_effect_frame
    use poinsot_core_kinds, only: dp

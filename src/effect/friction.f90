@@ -1,9 +1,9 @@
-!> Friction of a body, torque = -F omega, as the exact flow that drag and thermostat share.
+!> Friction of a body, torque = -F omega, as the exact flow used by drag and thermostat.
 !>
 !> F is diagonal, or a full symmetric matrix: three frictions about axes that are not the principal
-!> ones. With z = J^(-1/2) y the flow of ydot = -F J^-1 y is that of the symmetric matrix
-!> S = J^(-1/2) F J^(-1/2), and noise sqrt(2 kT F) leaves z with variance kT on every axis. A rate
-!> is S itself: F = J^(1/2) S J^(1/2), on principal axes rate I.
+!> ones. With z = J^(-1/2) y the flow of ydot = -F J^-1 y is that of the symmetric matrix S =
+!> J^(-1/2) F J^(-1/2), and noise sqrt(2 kT F) gives z the variance kT on every axis. A rate is S
+!> itself: F = J^(1/2) S J^(1/2), on principal axes rate I.
 module poinsot_effect_friction
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_domain

@@ -1,6 +1,6 @@
-!> Gaussian random numbers for a block: a function of (seed, body, step, half) and of nothing else,
-!> so that they depend neither on threads nor on the place of a body nor on the steps per call, and
-!> need no state to restart.
+!> Gaussian random numbers for a block: a function of (seed, body, step, half) only, so that they do
+!> not depend on threads, on the position of a body or on the number of steps per call, and need no
+!> state for a restart.
 !>
 !> Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011), then Box and Muller (1958) with 32-bit uniforms:
 !> the largest possible value is 6.66.

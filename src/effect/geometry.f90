@@ -1,7 +1,7 @@
-!> Block kernels that several effects share: turning vectors between the frames, and the torque of a
-!> potential that is linear in the direction seen from the body.
+!> Block kernels shared by several effects: transforming vectors between the frames, and the torque
+!> of a potential that is linear in a direction in the body frame.
 !>
-!> A space vector e seen from the body is gamma = Q^T e; along Q -> Q exp(hat(delta)) it changes by
+!> A space vector e in the body frame is gamma = Q^T e; along Q -> Q exp(hat(delta)) it changes by
 !> gamma x delta (mathematics.md section 6).
 module poinsot_effect_geometry
    use poinsot_core_kinds, only: dp, lanes

@@ -32,7 +32,7 @@ module poinsot_effect_gravity
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function gravity_row() result(row)
       type(effect_row) :: row
       row%info%name = gravity_label%name
@@ -88,7 +88,7 @@ contains
       call add_linear_energy(self%up%at_time(t), self%arm, q, u)
    end subroutine add_energy
 
-   !> A top, where the direction stands still.
+   !> A top, if the direction is fixed.
    pure subroutine get_traits(self, traits)
       class(gravity), intent(in) :: self
       type(effect_traits), intent(out) :: traits

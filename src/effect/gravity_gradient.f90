@@ -1,4 +1,4 @@
-!> Gravity gradient on a satellite: the centre it circles is far away compared with its size.
+!> Gravity gradient on a satellite far from the attracting centre.
 module poinsot_effect_gravity_gradient
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_status, only: poinsot_e_domain
@@ -41,7 +41,7 @@ module poinsot_effect_gravity_gradient
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function gravity_gradient_row() result(row)
       type(effect_row) :: row
       row%info%name = gravity_gradient_label%name

@@ -27,7 +27,7 @@ module poinsot_effect_langevin
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function langevin_row() result(row)
       type(effect_row) :: row
       row%info%name = langevin_label%name

@@ -1,9 +1,9 @@
-!> A potential U(Q, t) of the user's own, as a formula: torque and force gradient from its exact
+!> A potential U(Q, t) given by the user as a formula: torque and force gradient from its exact
 !> derivatives (mathematics.md section 7).
 !>
-!> The rows of Q are space directions seen from the body, gamma_i = Q^T e_i, which change by
-!> gamma_i x delta along Q -> Q exp(hat(delta)); with R_i = dU/dgamma_i the torque is the sum of
-!> gamma_i x R_i, that is -rot(Q^T dU/dQ).
+!> The rows of Q are space directions in the body frame, gamma_i = Q^T e_i, which change by gamma_i
+!> x delta along Q -> Q exp(hat(delta)); with R_i = dU/dgamma_i the torque is the sum of gamma_i x
+!> R_i, that is -rot(Q^T dU/dQ).
 module poinsot_effect_potential
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error, raised
@@ -44,7 +44,7 @@ module poinsot_effect_potential
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function potential_row() result(row)
       type(effect_row) :: row
       row%info%name = potential_label%name
@@ -225,7 +225,7 @@ contains
       energy = v(:, self%u%result)
    end subroutine find_energy
 
-   !> A formula that reads the third row of Q only knows no direction but z.
+   !> A formula of the third row of Q alone depends on no direction except z.
    pure subroutine get_traits(self, traits)
       class(potential), intent(in) :: self
       type(effect_traits), intent(out) :: traits

@@ -1,7 +1,7 @@
-!> All effects: descriptions that their own files bring, found by name.
+!> All effects, found by name; their descriptions come from their own files.
 !>
-!> A new effect is one file, and its label and its row in the two lists here, anywhere in them.
-!> People see effects in the order of the labels, programs by number.
+!> A new effect is one file, with its label and its row in the two lists here, at any position.
+!> Users see effects in the order of the labels, programs by number.
 module poinsot_effect_registry
    use poinsot_core_kinds, only: dp, name_length
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
@@ -70,7 +70,7 @@ contains
          row_source(callback_row)]
    end subroutine list_rows
 
-   !> The row of a name; without keys if there is none.
+   !> The row for a name; without keys if there is none.
    subroutine find_row(name, row)
       character(*), intent(in) :: name
       type(effect_row), intent(out) :: row
@@ -85,7 +85,7 @@ contains
       allocate (row%info%keys(0))
    end subroutine find_row
 
-   !> What the registry knows of effect i, 1 to effect_count; every effect also has the key `class`.
+   !> The row of effect i, 1 to effect_count; every effect also has the key `class`.
    function describe_effect(i) result(info)
       integer, intent(in) :: i !! 1 to effect_count
       type(effect_info) :: info

@@ -1,4 +1,4 @@
-!> What an effect's file says of the effect, and what the registry is made of.
+!> The description of an effect in its own file, from which the registry is built.
 module poinsot_effect_row
    use poinsot_core_kinds, only: name_length
    use poinsot_core_error, only: poinsot_error
@@ -8,7 +8,7 @@ module poinsot_effect_row
    private
    public :: effect_label, effect_row, row_source, constructor
 
-   !> What is constant: compilers take no procedure in a constant.
+   !> The constant part: compilers accept no procedure in a constant.
    type :: effect_label
       character(name_length) :: name
       integer :: number                    !! the public one, from 1: never another's

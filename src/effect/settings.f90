@@ -1,6 +1,6 @@
-!> What a user says about an effect (key = values), what an effect says about its keys, and the
-!> meeting of the two. The default of a key is the text in its description: there is no second place
-!> that could disagree.
+!> Settings of effects (key = values): the descriptions of keys, the values given by the user, and
+!> the check of one against the other. The default of a key is the text in its description, so that
+!> there is no second place that could disagree.
 module poinsot_effect_settings
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, name_length
@@ -27,14 +27,14 @@ module poinsot_effect_settings
                                                               ! principal,
                                                               !! the effect gets a matrix: nine
 
-   !> One thing a user says: a key with numbers, or with a text.
+   !> One setting by the user: a key with numbers, or with a string.
    type :: setting
       character(:), allocatable :: key
       real(dp), allocatable :: values(:)  !! allocated for numbers
       character(:), allocatable :: text   !! allocated for a text
    end type setting
 
-   !> Where a file says the settings, for messages.
+   !> The place of settings in a file, for messages.
    type :: settings_place
       character(:), allocatable :: file
       character(:), allocatable :: group
@@ -266,7 +266,7 @@ contains
       end if
    end subroutine reject_missing
 
-   !> What is wrong with a key: "effect 'x': key 'k' ...", or place and group of the file, with the
+   !> Report an error of a key: "effect 'x': key 'k' ...", or place and group of the file, with the
    !> line of the key if it is there.
    pure subroutine reject_key(info, settings, key, why, error, at, code)
       type(effect_info), intent(in) :: info
@@ -319,7 +319,7 @@ contains
       call default_values(info%keys(k), values)
    end subroutine get_values
 
-   !> The default of a key as numbers; size 0 if there is none.
+   !> The default of a key as numbers; of size 0 if there is none.
    pure subroutine default_values(key, values)
       type(effect_key), intent(in) :: key
       real(dp), allocatable, intent(out) :: values(:)

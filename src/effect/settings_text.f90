@@ -1,4 +1,4 @@
-!> Settings of an effect in one text, "centre = 0, 0, 1; weight = 2": what a C host writes.
+!> Settings of an effect in one string, "centre = 0, 0, 1; weight = 2", as written by a C host.
 module poinsot_effect_settings_text
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory
@@ -45,7 +45,7 @@ contains
       end do
    end subroutine read_settings
 
-   !> How much of a text stands before the next semicolon that is not within quotes.
+   !> The length of a text before the next semicolon that is not within quotes.
    pure integer function part_length(text) result(n)
       character(*), intent(in) :: text
       character :: quote
@@ -160,7 +160,7 @@ contains
          "': " // why)
    end subroutine reject_values
 
-   !> What stands between the quotes; a doubled one within is meant once.
+   !> The text between the quotes, with doubled quotes made single.
    pure function between_quotes(s) result(text)
       character(*), intent(in) :: s
       character(:), allocatable :: text

@@ -1,4 +1,4 @@
-!> A spring that aligns a body axis with a direction in space, either way round.
+!> A spring that aligns a body axis with a direction in space, in either sense.
 module poinsot_effect_spring
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error, raised
@@ -33,7 +33,7 @@ module poinsot_effect_spring
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function spring_row() result(row)
       type(effect_row) :: row
       row%info%name = spring_label%name

@@ -1,10 +1,9 @@
-!> Effects as data: what the Taylor integrator needs to know of a torque (mathematics.md, "Torques
-!> at any accuracy").
+!> Effects as data: torques in the form used by the Taylor integrator (mathematics.md, "Torques at
+!> any accuracy").
 !>
-!> An effect that can be served puts its part in here (`add_terms` of its type); the parts add.
-!> Directions are fixed in space or turn about a fixed axis at a constant rate; strengths are
-!> constant, harmonic, or linear between the times of a table. Torques and arms are in the body
-!> frame.
+!> An effect that supports it adds its terms (`add_terms` of its type). Directions are fixed in
+!> space or rotate about a fixed axis at a constant rate; strengths are constant, harmonic, or
+!> linear between the times of a table. Torques and arms are in the body frame.
 module poinsot_effect_terms
    use poinsot_core_kinds, only: dp
    implicit none(type, external)

@@ -1,4 +1,4 @@
-!> Settings `times` and `table` of effects that change as a table in time says.
+!> Settings `times` and `table` of effects that are tables in time.
 module poinsot_effect_time_settings
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_size

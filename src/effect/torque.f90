@@ -38,7 +38,7 @@ module poinsot_effect_torque
 
 contains
 
-   !> What the registry knows of it.
+   !> Its row in the registry.
    function torque_row() result(row)
       type(effect_row) :: row
       row%info%name = torque_label%name

@@ -1,6 +1,6 @@
-!> What an effect is to a whole run, as data: which integrals of the free motion it leaves, and what
-!> can be seen of it. Pictures, summaries and pages are made from this; none of them knows an effect
-!> by its name.
+!> Properties of an effect for a whole run, as data: which integrals of the free motion it
+!> conserves, and what can be drawn of it. Pictures, summaries and pages use these; none of them
+!> refers to an effect by name.
 module poinsot_effect_traits
    use poinsot_core_kinds, only: dp
    use poinsot_effect_terms, only: space_direction

@@ -1,4 +1,4 @@
-!> Settings `rate`, `phase` and `about` of effects whose direction in space may turn.
+!> Settings `rate`, `phase` and `about` of effects whose direction in space may rotate.
 module poinsot_effect_turning
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised

@@ -2,11 +2,11 @@
 !> precision.
 !>
 !> B. C. Carlson, Numer. Algorithms 10 (1995) 13-26; series of seventh order, DLMF 19.36(i). The
-!> argument 1 + e_n of R_C within R_J is computed as 2 sqrt(p) (p + lambda)/d_n, a positive sum, so
-!> that arguments 1e130 apart do. Sums are taken of parts, so that they stay in range with every
-!> argument. The functions are homogeneous of degree -1/2 and -3/2: tiny arguments are taken times a
-!> power of 4. Arguments out of the domain, infinite or NaN give NaN, and so does a value out of
-!> range (of R_D and R_J alone); no exception is raised.
+!> argument 1 + e_n of R_C within R_J is computed as 2 sqrt(p) (p + lambda)/d_n, a positive sum,
+!> which works for arguments 1e130 apart. Sums are formed from scaled parts, so that they stay in
+!> range for every argument. The functions are homogeneous of degree -1/2 and -3/2: tiny arguments
+!> are scaled by a power of 4. Arguments outside the domain, infinite or NaN give NaN, and so does a
+!> result out of range (of R_D and R_J only); no exception is raised.
 module poinsot_elliptic_carlson
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use poinsot_core_kinds, only: dp
@@ -55,7 +55,7 @@ contains
       quarter = half_x*(half_y + half_z) + half_y*half_z
    end function quarter_lambda
 
-   !> Duplication for R_F; the arguments have been looked at.
+   !> Duplication for R_F; the arguments have been checked.
    elemental real(dp) function rf_sum(x0, y0, z0) result(r)
       real(dp), intent(in) :: x0, y0, z0
       real(dp) :: x, y, z, a, lambda, p, q, e2, e3

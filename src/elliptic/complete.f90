@@ -1,8 +1,8 @@
 !> Legendre's complete elliptic integrals of the parameter m = k**2, or of m1 = 1 - m near m = 1.
 !>
 !> Sums of positive terms in Carlson's integrals (DLMF 19.25(i)), so accurate to the last digits for
-!> every m in [0, 1], also where m1 is far below the spacing of numbers next to 1. Out of the
-!> domain, infinite or NaN: NaN.
+!> every m in [0, 1], also where m1 is far below the spacing of doubles near 1. Arguments outside
+!> the domain, infinite or NaN give NaN.
 module poinsot_elliptic_complete
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use poinsot_core_constants, only: pi
@@ -99,7 +99,7 @@ contains
       end if
    end function complete_parameter
 
-   !> m, the given one or the one that goes with 1 - m, whichever is known better.
+   !> m, as given or from 1 - m, whichever is more accurate.
    elemental real(dp) function parameter_of(m, b) result(better)
       real(dp), intent(in) :: m !! as given
       real(dp), intent(in) :: b !! of `complete_parameter`

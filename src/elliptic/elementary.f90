@@ -1,12 +1,12 @@
 !> Elementary functions for block kernels: sine and cosine, arctangent, logarithm, exponential, tanh
 !> and sech.
 !>
-!> The bits of a block kernel must not depend on what a compiler does with a loop (a vector
-!> library's sine differs from the scalar one), so kernels call nothing else. Every procedure works
-!> on all `lanes` elements, without a branch and without a call: a lane's bits depend on that lane
-!> alone. The scalar forms pad a block, and so give the same bits. Within 1 ulp (atan2 2, tanh and
-!> sech 3); no invalid, overflow or divide-by-zero exception on valid input. Not for NaN or infinite
-!> arguments.
+!> The bits of a block kernel must not depend on how a compiler vectorises a loop (a vector
+!> library's sine differs from the scalar one), so kernels call only these. Every procedure works on
+!> all `lanes` elements, without branches and calls: the result of a lane depends on that lane
+!> alone. The scalar forms pad a block, and so give the same bits. Errors within 1 ULP (atan2 2,
+!> tanh and sech 3); no invalid, overflow or divide-by-zero exception on valid input. Not for NaN or
+!> infinite arguments.
 !>
 !> The polynomials interpolate at Chebyshev nodes (60-digit arithmetic); arguments are reduced with
 !> constants split so that every product is exact with or without fused multiply-add (W. J. Cody and
@@ -19,7 +19,7 @@ module poinsot_elliptic_elementary
    public :: exp_pair_block, tanh_sech_block
    public :: sincos_scalar, atan2_scalar, exp_scalar, log_scalar
 
-   !> Adding and subtracting it rounds to an integer, which stands in the low bits in between.
+   !> Adding and subtracting it rounds to an integer; in between, the low bits contain the integer.
    real(dp), parameter :: rounder = 6755399441055744.0_dp
    real(dp), parameter :: two52 = 4503599627370496.0_dp
    integer(i8), parameter :: two52_bits = 4841369599423283200_i8
@@ -74,7 +74,7 @@ contains
       call sincos_pair_block(x, zero, s, c, nvec)
    end subroutine sincos_block
 
-   !> Sine and cosine of unevaluated sums, the angle known to more than double precision.
+   !> Sine and cosine of unevaluated sums, angles of more than double precision.
    pure subroutine sincos_pair_block(x, low, s, c, nvec)
       real(dp), intent(in) :: x(lanes)   !! angles, radians, |x| <= 1e9
       real(dp), intent(in) :: low(lanes) !! what to add to each, |low| at most about ulp(x)
@@ -152,7 +152,7 @@ contains
       end do
    end subroutine atan2_block
 
-   !> Exponential of each lane; 0 below -746, and x above 709.78 is taken as 709.78.
+   !> Exponential of each lane; 0 below -746, and x above 709.78 counts as 709.78.
    pure subroutine exp_block(x, r)
       real(dp), intent(in) :: x(lanes)  !! exponents
       real(dp), intent(out) :: r(lanes) !! e**x
@@ -181,7 +181,7 @@ contains
       end do
    end subroutine exp_block
 
-   !> Natural logarithm of each lane; below the smallest positive one, that is taken.
+   !> Natural logarithm of each lane; smaller arguments count as the smallest positive double.
    pure subroutine log_block(x, r)
       real(dp), intent(in) :: x(lanes)  !! positive numbers, subnormal ones too
       real(dp), intent(out) :: r(lanes) !! their logarithms

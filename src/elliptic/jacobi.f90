@@ -1,10 +1,11 @@
 !> Jacobi's elliptic functions am, sn, cn, dn of any real argument, for every parameter in [0, 1].
 !>
-!> Elemental and array forms, of m and of m1 = 1 - m, so that m1 = 1e-300 still means something.
-!> Both forms run the same block kernel and give the same bits, wherever an element stands; the
-!> array forms are the fast ones. Error of sn, cn, dn at most 1e-15 max(1, |u|/50), that of am 1e-15
-!> (1 + |am|). An element whose u, m or m1 is out of its domain, infinite or NaN gives NaN, without
-!> an exception; so does every element while the thread does not round to nearest.
+!> Elemental and array forms, of m and of m1 = 1 - m, so that even m1 = 1e-300 is meaningful. Both
+!> forms run the same block kernel and give bitwise the same result, at every position of an array;
+!> the array forms are the fast ones. Error of sn, cn, dn at most 1e-15 max(1, |u|/50), that of am
+!> 1e-15 (1 + |am|). An element whose u, m or m1 is outside the domain, infinite or NaN gives NaN,
+!> without an exception; so does every element while the rounding mode of the thread is not to
+!> nearest.
 module poinsot_elliptic_jacobi
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use poinsot_core_constants, only: pi

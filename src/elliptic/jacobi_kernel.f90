@@ -1,13 +1,13 @@
 !> Jacobi's elliptic functions for one block of lanes: any argument, any parameter.
 !>
 !> Theta functions of the smaller of m and m1 = 1 - m, so of a nome q <= exp(-pi): the circular ones
-!> for m <= 1/2, the hyperbolic ones (Jacobi's imaginary transformation) beyond. Four terms reach
-!> double precision, and nothing degenerates as m -> 1: the complementary parameter itself is the
-!> input there. The nome comes from the first two steps of the arithmetic-geometric mean of (1,
-!> sqrt(1 - mu)) and its series (Abramowitz and Stegun 17.3.21; 16.27 for the theta functions, 16.20
-!> for the transformation). The period is known to about 1e-19 of itself, and the argument is
-!> reduced in double-double, so that |u| = 1e6 loses nothing but what the rounding of u itself
-!> costs. Products are made exact by splitting: no fused multiply-add is needed.
+!> for m <= 1/2, otherwise the hyperbolic ones (Jacobi's imaginary transformation). Four terms
+!> suffice for double precision, and nothing degenerates as m -> 1: the complementary parameter
+!> itself is the input there. The nome comes from the first two steps of the arithmetic-geometric
+!> mean of (1, sqrt(1 - mu)) and its series (Abramowitz and Stegun 17.3.21; 16.27 for the theta
+!> functions, 16.20 for the transformation). The period has a relative error of about 1e-19, and the
+!> argument is reduced in double-double arithmetic, so that at |u| = 1e6 only the rounding error of
+!> u itself matters. Products are made exact by splitting: no fused multiply-add is needed.
 module poinsot_elliptic_jacobi_kernel
    use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: dp, i8, group, groups, lanes

@@ -1,8 +1,9 @@
 !> Legendre's incomplete elliptic integrals F, E, Pi, of the amplitude or of its sine.
 !>
-!> Sums of positive terms in Carlson's integrals (DLMF 19.25(i)): no cancellation for any amplitude,
-!> any m in [0, 1]. Beyond a quarter turn, whole half periods are added. Out of the domain, infinite
-!> or NaN: NaN. Every function takes m1 = 1 - m too, for m so near 1 that m alone cannot say it.
+!> Sums of positive terms in Carlson's integrals (DLMF 19.25(i)): no cancellation for any amplitude
+!> and any m in [0, 1]. Beyond a quarter turn, whole half periods are added. Arguments outside the
+!> domain, infinite or NaN give NaN. Every function also accepts m1 = 1 - m, for m so close to 1
+!> that m alone is not accurate enough.
 module poinsot_elliptic_legendre
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use poinsot_core_constants, only: pi

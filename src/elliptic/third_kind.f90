@@ -1,9 +1,9 @@
 !> Carlson's R_J for one block of lanes, with its arctangents as complex numbers.
 !>
-!> For x <= y <= 1 <= p each R_C term of the duplication is 2**n atan(t_n)/g, with
-!> g = sqrt((p - x) (p - y) (p - 1)); sums of them are products of complex numbers, and who needs an
-!> angle of rotation, as the free body does, need not take an arctangent at all.
-!> (B. C. Carlson, Numer. Algorithms 10 (1995) 13-26; the last series DLMF 19.36.2.)
+!> For x <= y <= 1 <= p each R_C term of the duplication is 2**n atan(t_n)/g, with g = sqrt((p - x)
+!> (p - y) (p - 1)); sums of them are products of complex numbers, so that code which needs an angle
+!> of rotation, like the free body, needs no arctangent at all. (B. C. Carlson, Numer. Algorithms 10
+!> (1995) 13-26; the last series DLMF 19.36.2.)
 module poinsot_elliptic_third_kind
    use poinsot_core_kinds, only: dp, i8, group, groups, lanes
    implicit none(type, external)

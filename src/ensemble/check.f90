@@ -75,22 +75,22 @@ contains
       integer :: i
       if (plan%rotors_change .and. wants_time(plan, purpose)) then
          call raise(error, poinsot_e_method, "effect 'gyrostat': the momentum of a rotor changes " &
-            //"with time, and this call does not say at which time it is; poinsot_step and " &
-            //"poinsot_energy do")
+            //"with time, and this call is not given the time; use poinsot_step or " &
+            //"poinsot_energy")
          return
       end if
       if (.not. associated(view%moments(1)%of)) return
       if (purpose == to_drift .or. purpose == to_step) then
          if (.not. takes_moments(plan%method)) then
-            call raise(error, poinsot_e_method, "method '"//trim(plan%method%name)//"' works by " &
-               //"body class; 'exact' and 'jacobi' take moments for each body")
+            call raise(error, poinsot_e_method, "method '"//trim(plan%method%name)//"' does not " &
+               //"support moments for each body; use 'exact' or 'jacobi'")
             return
          end if
       end if
       if (purpose == to_step .and. &
           (plan%splitting%adaptive .or. plan%splitting%needs_gradient)) then
-         call raise(error, poinsot_e_method, "splitting '"//trim(plan%splitting%name)//"' works " &
-            //"by body class; 'strang', 'srkn4' and 'srkn6' take moments for each body")
+         call raise(error, poinsot_e_method, "splitting '"//trim(plan%splitting%name)//"' does " &
+            //"not support moments for each body; use 'strang', 'srkn4' or 'srkn6'")
          return
       end if
       do i = 1, size(plan%effects)

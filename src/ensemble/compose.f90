@@ -70,7 +70,7 @@ contains
             call raise(error, poinsot_e_method, "splitting '"//trim(plan%splitting%name)// &
                        "' works on processed momenta, and the noise of '"// &
                        trim(plan%effects(i)%it%name)//"' would heat them to another "// &
-                       "temperature; take one without a processor, 'strang' or 'srkn6'")
+                       "temperature; use one without a processor, 'strang' or 'srkn6'")
             return
          end if
          if (plan%effects(i)%it%class_index > plan%class_count()) then
@@ -126,13 +126,13 @@ contains
       integer :: c, state
       if (.not. plan%splitting%adaptive) return
       if (plan%coupled) then
-         call raise(error, poinsot_e_method, "splitting 'taylor' moves every body by itself: it " &
-            // "takes no effect that couples bodies; 'srkn6' does")
+         call raise(error, poinsot_e_method, "splitting 'taylor' does not support effects " &
+            // "that couple bodies; use 'srkn6'")
          return
       end if
       if (plan%rotors_change) then
-         call raise(error, poinsot_e_method, "splitting 'taylor' takes no rotor whose momentum " &
-            // "changes with time (effect 'gyrostat', key 'table'); 'srkn6' does")
+         call raise(error, poinsot_e_method, "splitting 'taylor' does not support rotors " &
+            // "that change with time (effect 'gyrostat', key 'table'); use 'srkn6'")
          return
       end if
       plan%orders = choose_orders(plan%tolerance)

@@ -40,7 +40,7 @@ contains
       if (.not. raised(error)) call check_step(h, 1, error)
       if (.not. raised(error)) then
          if (h < 0) call raise(error, poinsot_e_domain, &
-            "dissipate: h is negative, and drag and noise have no way back")
+            "dissipate: h is negative, but drag and noise cannot run backwards")
       end if
       status = error%code
       if (raised(error)) return

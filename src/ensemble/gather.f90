@@ -45,14 +45,14 @@ contains
       call check_pairs(plan, view, error)
       if (raised(error)) return
       if (plan%splitting%adaptive) then
-         call raise(error, poinsot_e_method, "splitting 'taylor' needs torques as data, which " // &
-                    "a callback is not; 'srkn6' takes it")
+         call raise(error, poinsot_e_method, "splitting 'taylor' does not support " // &
+                    "callbacks; use 'srkn6'")
          return
       end if
       if (plan%splitting%needs_gradient .and. associated(system%callback)) then
          call raise(error, poinsot_e_method, "splitting '" // trim(plan%splitting%name) // &
-                    "' needs a force gradient, which a callback does not have; srkn4 and " // &
-                    "srkn6 need none")
+                    "' needs force gradients, which a callback does not provide; " // &
+                    "use 'srkn4' or 'srkn6'")
          return
       end if
       blocks = count_blocks(plan, view, failed)

@@ -1,8 +1,8 @@
-!> An attitude in other clothes: rotation matrix, axis and angle, rotation vector, Cayley vector,
-!> Euler angles.
+!> Conversions of attitudes: rotation matrix, axis and angle, rotation vector, Cayley vector, Euler
+!> angles.
 !>
-!> `from_...` makes a unit quaternion, `to_...` reads one. Where a sign is free, the scalar part
-!> comes out not negative. What has no answer is refused; an attitude whose axis or angle is free
+!> `from_...` makes a unit quaternion, `to_...` reads one. Where a sign is free, the scalar part is
+!> not negative. Inputs without a result are errors; an attitude whose axis or angle is not unique
 !> (identity, gimbal lock) gets a fixed choice.
 module poinsot_rotation_conversions
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -28,7 +28,7 @@ module poinsot_rotation_conversions
 contains
 
    !> Rotation matrix, body to space: Q = |q|^2 + 2 q0 hat(e) + 2 hat(e)^2 (Vilmart's review). Its
-   !> columns are the body axes seen in space.
+   !> columns are the body axes in space.
    pure function to_matrix(q) result(matrix)
       real(dp), intent(in) :: q(4) !! attitude, unit
       real(dp) :: matrix(3, 3)

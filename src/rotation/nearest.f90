@@ -1,4 +1,4 @@
-!> Matrices that are rotations only nearly: is it one, and which one is nearest.
+!> Approximate rotation matrices: tests, and the nearest rotation.
 module poinsot_rotation_nearest
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8

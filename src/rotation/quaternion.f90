@@ -172,8 +172,8 @@ contains
       end if
    end function log_of_norm
 
-   !> Constant turn from p (t = 0) to q (t = 1) the shorter way round, whatever the signs of p and q
-   !> (K. Shoemake, SIGGRAPH 1985). t outside [0, 1] goes on turning, however small the angle
+   !> Spherical interpolation from p (t = 0) to q (t = 1) by the shorter arc, any signs of p and q
+   !> (K. Shoemake, SIGGRAPH 1985). t outside [0, 1] extrapolates, however small the angle
    !> between p and q is. The result is a unit quaternion, with the sign of p.
    pure function slerp(p, q, t) result(r)
       real(dp), intent(in) :: p(4) !! first attitude, unit
@@ -189,7 +189,7 @@ contains
       r = normalise(cosine(t*angle)*normalise(p) + sine(t*angle)*unit_vector(across))
    end function slerp
 
-   !> The smallest turn that takes direction a to direction b. Opposite directions have many: then a
+   !> The smallest rotation from direction a to direction b. Opposite directions have many: then a
    !> half-turn about `perpendicular(a)`.
    pure subroutine shortest_arc(a, b, q, error)
       real(dp), intent(in) :: a(3)                !! from this direction, any length but zero

@@ -1,9 +1,9 @@
-!> Random numbers without a state: a pure function of (seed, body, step, stream), so answers depend
+!> Stateless random numbers: a pure function of (seed, body, step, stream), so results depend
 !> neither on threads nor on order nor on restarts.
 !>
 !> Philox4x32-10 (J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, SC11, 2011): the seed is the
-!> key, the counter holds body, step and stream. 32-bit words live in 64-bit integers with masks, so
-!> nothing wraps.
+!> key, the counter contains body, step and stream. 32-bit words are stored in 64-bit integers with
+!> masks, so nothing overflows.
 module poinsot_rotation_random
    use poinsot_core_constants, only: pi
    use poinsot_core_kinds, only: dp, i4, i8, lanes
@@ -16,7 +16,7 @@ module poinsot_rotation_random
    public :: random_uniform, random_gaussian, random_quaternion, random_direction
    public :: stream_attitude, stream_direction, stream_momentum, stream_noise
 
-   !> Who uses which stream, so that no two draws are the same number. A stream gives two doubles
+   !> The use of each stream, so that no number is drawn twice. A stream gives two doubles
    !> per body and step.
    integer(i4), parameter :: stream_attitude = 0_i4  !! and 1: initial attitudes
    integer(i4), parameter :: stream_direction = 2_i4 !! initial directions

@@ -1,11 +1,11 @@
-!> The quaternions and matrices of the review's Algorithm 2, under its names. Fortran does not tell
-!> u from U, so u(theta), v(theta), a(omega) are `quaternion_u`, `quaternion_v`, `quaternion_a` and
-!> U(theta), V(theta), exp(hat(omega)) are `matrix_u`, `matrix_v`, `matrix_a`; hat is `hat`, in
-!> poinsot_rotation_vector.
+!> The quaternions and matrices of the review's Algorithm 2, under its names. Fortran does not
+!> distinguish u from U, so u(theta), v(theta), a(omega) are `quaternion_u`, `quaternion_v`,
+!> `quaternion_a` and U(theta), V(theta), exp(hat(omega)) are `matrix_u`, `matrix_v`, `matrix_a`;
+!> hat is `hat`, in poinsot_rotation_vector.
 !>
-!> U and V are turns by minus theta: U(theta) = to_matrix(quaternion_u(theta)), and the flows of
+!> U and V are rotations by minus theta: U(theta) = to_matrix(quaternion_u(theta)), and the flows of
 !> Algorithm 2 are y(t) = U(alpha t) y(0), q(t) = q(0) o u(-alpha t). The review prints alpha =
-!> y1/I1 and beta = 1/I3 - 1/I2 there; right are alpha = (1/I1 - 1/I2) y1 and beta = (1/I3 - 1/I2)
+!> y1/I1 and beta = 1/I3 - 1/I2 there; correct are alpha = (1/I1 - 1/I2) y1 and beta = (1/I3 - 1/I2)
 !> y3.
 module poinsot_rotation_review
    use poinsot_core_kinds, only: dp

@@ -1,7 +1,7 @@
-!> Vectors of space and the skew matrices that stand for them.
+!> Vectors in space and their skew-symmetric matrices.
 !>
-!> Norms are safe at any scale (momenta of SI molecules are 1e-34, their moments 1e-46): beyond the
-!> range where squares fit, the vector is scaled by a power of two, which costs no digit.
+!> Norms are safe at any scale (momenta of SI molecules are 1e-34, their moments 1e-46): where
+!> squares would overflow or underflow, the vector is scaled by a power of two, which is exact.
 module poinsot_rotation_vector
    use poinsot_core_kinds, only: dp
    use poinsot_core_libm, only: arctangent

@@ -1,4 +1,4 @@
-!> The attitude of a &bodies group as people have it: a quaternion, Euler angles, axis and angle.
+!> The attitude of a &bodies group in common forms: a quaternion, Euler angles, axis and angle.
 module poinsot_scene_attitude
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
@@ -39,7 +39,7 @@ contains
       if (bodies%turned) bodies%q = quaternion_product(bodies%q, bodies%frame)
    end subroutine build_attitude
 
-   !> The key that says the attitude, and no other beside it.
+   !> The key that gives the attitude; an error if there are several.
    subroutine find_way(group, bodies, way, error)
       type(typed_group), intent(in) :: group
       type(body_group), intent(in) :: bodies

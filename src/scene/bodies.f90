@@ -1,4 +1,5 @@
-!> One &bodies group: moments from what was given, momentum and attitude into the principal frame.
+!> One &bodies group: moments from the given data, momentum and attitude transformed to the
+!> principal frame.
 module poinsot_scene_bodies
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
@@ -109,7 +110,7 @@ contains
       if (size(values) > 0) call reject_key(group, key, idle_words(values), error)
    end subroutine build_momentum
 
-   !> Which of the three keys says the momentum; "" for none.
+   !> Which of the three keys gives the momentum; "" for none.
    subroutine find_momentum(group, key, error)
       type(typed_group), intent(in) :: group
       character(:), allocatable, intent(out) :: key

@@ -259,7 +259,7 @@ contains
       scene%output%axis = axis/norm2(axis)
    end subroutine build_pictures
 
-   !> Are these the kinds of pictures there are? `auto` and `none` stand alone.
+   !> Check kinds of pictures. `auto` and `none` must be alone.
    subroutine check_pictures(group, kinds, error)
       type(typed_group), intent(in) :: group
       character(*), intent(in) :: kinds

@@ -1,5 +1,5 @@
-!> Files of a study (cost, hard, properties, reproduce) in a folder that may hold the user's own: a
-!> list says which are the program's, and no others are replaced.
+!> Output files of a study (cost, hard, properties, reproduce) in a folder that may contain the
+!> user's own files: a list says which are the program's, and only these are replaced.
 module poinsot_scene_claim
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io

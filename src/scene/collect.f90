@@ -1,4 +1,4 @@
-!> Bodies of all ranks, some at a time, to rank 0, which writes them.
+!> Gathers bodies of all ranks, some at a time, on rank 0, which writes them.
 module poinsot_scene_collect
    use poinsot_core_kinds, only: dp, i8
    use poinsot_scene_communicator, only: communicator, slice_of

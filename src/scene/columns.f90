@@ -1,4 +1,4 @@
-!> What a scene's trajectory can say of a body beside its state: columns by name.
+!> Columns of a trajectory besides the state of a body, by name.
 module poinsot_scene_columns
    use poinsot_core_kinds, only: dp
    use poinsot_core_libm, only: arctangent

@@ -1,8 +1,8 @@
-!> Who else works on a run. The library knows no message passing: a program that has it extends this
-!> type (mpi/communicator.f90); alone, all of it does next to nothing. Each rank holds and steps the
-!> bodies of a slice of its own, and writes them into files that all ranks share, one at a time; a
-!> copy of a communicator has a file of its own. Where bodies see each other (pairs), every rank
-!> holds all of them and rank 0 writes.
+!> The ranks of a run. The library contains no message passing: a program with MPI extends this type
+!> (mpi/communicator.f90); the type itself, for a single process, does next to nothing. Each rank
+!> holds and steps the bodies of a slice of its own, and writes them into files that all ranks
+!> share, one at a time; a copy of a communicator has a file of its own. If bodies interact (pairs),
+!> every rank holds all of them and rank 0 writes.
 module poinsot_scene_communicator
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised

@@ -1,5 +1,6 @@
-!> How far the end of a run is from a better answer: for free bodies the other exact solution in one
-!> stride, with effects the same run at a quarter of the step with `exact`; `taylor` at its finest.
+!> The error at the end of a run, against a more accurate solution: for free bodies the other exact
+!> method in one step, with effects the same run with `exact` and a quarter of the step size, or
+!> `taylor` at its smallest tolerance.
 module poinsot_scene_compare
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_maxima, only: larger, largest_of

@@ -1,5 +1,5 @@
-!> A place in the text of a scene file, and the small steps of the reader: over blanks and comments,
-!> over a name, over a subscript.
+!> A position in the text of a scene file, and the elementary operations of the reader: skipping
+!> blanks and comments, reading a name, reading a subscript.
 module poinsot_scene_cursor
    use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error
@@ -97,7 +97,7 @@ contains
       word = here%text(here%at:here%at + max(length, 1) - 1)
    end function word_at
 
-   !> A name (letter or _, then letters, digits, _) from here on, lower case; "" if there is none.
+   !> The name (letter or _, then letters, digits, _) at this position, lower case; "" if none.
    subroutine scan_name(here, name)
       type(cursor), intent(inout) :: here !! moves on
       character(:), allocatable, intent(out) :: name

@@ -1,4 +1,4 @@
-!> What should stay constant, followed through a run: the largest change of each since the start.
+!> Largest changes of conserved quantities since the start of a run.
 module poinsot_scene_drift
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_length, only: length_of

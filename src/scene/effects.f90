@@ -1,4 +1,5 @@
-!> The effect groups of a scene: keys checked here with file and line, values by the effect itself.
+!> The effect groups of a scene: keys are checked here with file and line, values by the effect
+!> itself.
 module poinsot_scene_effects
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
@@ -88,7 +89,7 @@ contains
       end do
    end function blamed_line
 
-   !> A message without its beginning, if that says what stands there already.
+   !> A message without its beginning, if that repeats what precedes it.
    pure function without(message, beginning) result(rest)
       character(*), intent(in) :: message, beginning
       character(:), allocatable :: rest

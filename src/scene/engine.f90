@@ -1,5 +1,5 @@
-!> A scene as a plan: its groups are the body classes, its effects the plan's, and one view of the
-!> state arrays is all a step needs.
+!> The plan of a scene: its groups become the body classes, its effects those of the plan, with one
+!> view of the state arrays for all steps.
 module poinsot_scene_engine
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -109,7 +109,7 @@ contains
          threads_used))))
    end function threads_used
 
-   !> Does a body's motion depend on the others'?
+   !> Does the motion of a body depend on other bodies?
    pure logical function couples_bodies(this)
       type(engine), intent(in) :: this
       couples_bodies = this%plan%coupled

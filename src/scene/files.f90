@@ -1,6 +1,6 @@
-!> Files written so that a reader never takes half of one for the whole: text goes to NAME.part, and
-!> takes its name only when everything is on the disk. C's stdio writes it: the Fortran run-time
-!> library (gfortran 12) reports neither at flush nor at close that a disk is full.
+!> Output files that are never mistaken for complete while they are not: text goes to NAME.part,
+!> which is renamed when everything is on the disk. Uses C's stdio: the Fortran run-time library
+!> (gfortran 12) does not report a full disk, neither at flush nor at close.
 module poinsot_scene_files
    use, intrinsic :: iso_c_binding, only: c_int, c_char, c_size_t, c_ptr, c_null_char, c_null_ptr, &
       c_associated, c_new_line
@@ -176,7 +176,7 @@ contains
       if (c_fwrite(text, 1_c_size_t, length, file%handle) /= length) call no_room(file, error)
    end subroutine put_text
 
-   !> What is written next goes over the beginning of the file.
+   !> Continue writing at the beginning of the file.
    subroutine rewind_out(file)
       type(out_file), intent(in) :: file !! open
       call c_rewind(file%handle)
@@ -189,7 +189,7 @@ contains
                  "disk full? What there is of it is called " // file%path // unfinished)
    end subroutine no_room
 
-   !> What is written so far to the disk. Error: POINSOT_E_IO.
+   !> Flush everything written so far to the disk. Error: POINSOT_E_IO.
    subroutine flush_out(file, error)
       type(out_file), intent(in) :: file !! open
       type(poinsot_error), intent(inout) :: error

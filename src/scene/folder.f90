@@ -1,6 +1,5 @@
-!> The output folder of a run: locked while the run lives, and cleared of what an earlier run
-!> wrote, of
-!> nothing else. The summary lists the files of its run; a file that no summary lists is the user's.
+!> The output folder of a run: locked while the run lasts, and cleared of the files of an earlier
+!> run only. The summary lists the files of its run; any other file is the user's.
 module poinsot_scene_folder
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_null_ptr, &
       c_ptr

@@ -1,5 +1,5 @@
-!> Frames of a run: the bodies the scene wants, in the scene's own frame. Text (CSV, extended XYZ)
-!> is rank 0's to write; every rank writes the rows of its own bodies of an array (NumPy).
+!> Frames of a run: the bodies selected by the scene, in the scene's own frame. Rank 0 writes text
+!> (CSV, extended XYZ); every rank writes the rows of its own bodies of an array (NumPy).
 module poinsot_scene_frames
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
@@ -35,7 +35,7 @@ module poinsot_scene_frames
 
 contains
 
-   !> Open what the scene asks for; nothing for a scene without &output. All ranks call. Error:
+   !> Open the files that the scene requests, if it has &output. All ranks call. Error:
    !> POINSOT_E_IO.
    subroutine open_frames(scene, out, ranks, frames, error)
       type(scene_settings), intent(in) :: scene   !! the typed scene
@@ -79,7 +79,7 @@ contains
       end if
    end function numbers_of
 
-   !> Positions and semi-axes for OVITO; bodies that nobody placed stand on a cubic grid.
+   !> Positions and semi-axes for OVITO; bodies without positions are put on a cubic grid.
    subroutine place_bodies(scene, frames)
       type(scene_settings), intent(in) :: scene
       type(frame_writer), intent(inout) :: frames

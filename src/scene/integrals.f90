@@ -1,4 +1,4 @@
-!> What a scene keeps constant: the integrals of motion that its effects and bodies leave.
+!> The integrals of motion of a scene: those that its effects and bodies conserve.
 module poinsot_scene_integrals
    use poinsot_core_kinds, only: dp
    use poinsot_effect_effect, only: pair_effect

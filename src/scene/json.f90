@@ -1,5 +1,4 @@
-!> Texts and numbers as JSON that may stand in a page: nothing in a text can end the element it
-!> stands in.
+!> Strings and numbers as JSON for an HTML page: no string can end the element that contains it.
 module poinsot_scene_json
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp

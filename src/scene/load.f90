@@ -1,4 +1,4 @@
-!> A whole text file in memory, whatever it is: a file, a pipe, a device.
+!> Reads a whole text file into memory: a regular file, a pipe or a device.
 module poinsot_scene_load
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_status, only: poinsot_e_io

@@ -1,4 +1,4 @@
-!> The names a scene may use, taken from the registries: methods, splittings, effects.
+!> The names allowed in a scene, from the registries: methods, splittings, effects.
 module poinsot_scene_names
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_effect_settings, only: effect_info

@@ -1,4 +1,4 @@
-!> Noise in a scene: of the effects with a temperature of their own.
+!> Noise in a scene: the effects that have a temperature.
 module poinsot_scene_noise
    use poinsot_core_kinds, only: dp
    use poinsot_effect_registry, only: noise_key

@@ -1,6 +1,6 @@
-!> NumPy's own format for arrays, version 1.0: a head of 128 bytes, then float64 numbers as they
-!> stand in memory. Ranks write the rows of their own bodies. The first dimension is known when the
-!> file is finished: the head is written twice.
+!> NumPy's array format, version 1.0: a header of 128 bytes, then float64 numbers in memory order.
+!> Ranks write the rows of their own bodies. The first dimension is known only at the end, so the
+!> header is written twice.
 module poinsot_scene_npy
    use poinsot_core_kinds, only: dp, i4, i8
    use poinsot_core_error, only: poinsot_error, raised

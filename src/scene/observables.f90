@@ -1,5 +1,5 @@
-!> Averages over all bodies at each output: observables.csv, which rank 0 writes. Sums go from rank
-!> to rank, each of which adds its own bodies.
+!> Averages over all bodies at each output: observables.csv, written by rank 0. Sums are passed from
+!> rank to rank, each of which adds its own bodies.
 module poinsot_scene_observables
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised

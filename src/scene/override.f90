@@ -1,5 +1,5 @@
-!> Settings from a command line, "group.key=value", put into a scanned scene as if the file had
-!> them.
+!> Settings from the command line, "group.key=value", inserted into a scanned scene as if they were
+!> in the file.
 module poinsot_scene_override
    use poinsot_core_kinds, only: i8
    use poinsot_core_error, only: poinsot_error, raised

@@ -1,6 +1,6 @@
-!> Pictures of a run: which it has, and trajectory.gp, what their scripts need to know of it. The
-!> scripts themselves, plot_NAME.gp, are gnuplot's own (share/poinsot/plots); whoever draws puts
-!> them beside the trajectory (the app does), and they can be run again whenever wanted.
+!> Pictures of a run: which there are, and trajectory.gp, the data that their scripts need. The
+!> scripts, plot_NAME.gp, are gnuplot files (share/poinsot/plots); the app copies them beside the
+!> trajectory, where they can be run again at any time.
 module poinsot_scene_pictures
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised

@@ -1,5 +1,5 @@
-!> Variables of a plot script, in gnuplot's language: numbers, texts, arrays of both. A text is data
-!> whatever stands in it: between single quotes gnuplot replaces nothing.
+!> Variables of a plot script in gnuplot's language: numbers, strings, arrays of both. Strings may
+!> contain any character: gnuplot substitutes nothing between single quotes.
 module poinsot_scene_plot_data
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error

@@ -1,5 +1,5 @@
-!> Restart files: the state to the bit, in hexadecimal, with a count and a sum at the end, so that a
-!> truncated or edited file is not taken for a good one.
+!> Restart files: the exact state, in hexadecimal, with a count and a checksum at the end, so that a
+!> truncated or edited file is detected.
 module poinsot_scene_restart
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
@@ -132,7 +132,7 @@ contains
       write (text, "(z16.16)") bits
    end function digits_of
 
-   !> A number that tells bodies of other moments or in other groups apart.
+   !> A hash that distinguishes bodies with other moments or in other groups.
    pure integer(i8) function sum_of_kinds(counts, moments) result(total)
       integer(i8), intent(in) :: counts(:)   !! (groups)
       real(dp), intent(in) :: moments(:, :)  !! (3, groups)
@@ -346,7 +346,7 @@ contains
       good = len_trim(text) == 17*size(values) - 1
    end subroutine from_hex
 
-   !> Value of a hexadecimal digit; -1 if it is none.
+   !> Value of a hexadecimal digit; -1 if it is not one.
    pure integer function digit_of(letter)
       character, intent(in) :: letter
       select case (letter)

@@ -315,7 +315,7 @@ contains
 
    end subroutine continue_from
 
-   !> Piece by piece to the end, or to where the watch says stop.
+   !> Piece by piece to the end, or until the watch requests a stop.
    subroutine integrate(scene, run, watch, ranks, report, error)
       type(scene_settings), intent(in) :: scene
       type(run_state), intent(inout) :: run
@@ -465,7 +465,7 @@ contains
       if (.not. raised(error)) report%restart = path
    end subroutine save_restart
 
-   !> What tells this scene's bodies from others.
+   !> A hash of this scene's bodies.
    pure integer(i8) function kinds_of(scene)
       type(scene_settings), intent(in) :: scene
       real(dp) :: moments(3, size(scene%bodies))

@@ -1,6 +1,6 @@
-!> When a scene steps and when it writes. The run is cut at its output times; each piece is cut into
-!> equal steps no longer than h. Everything is a function of the piece's number, never of history,
-!> so that a run continued from a restart takes the very same steps.
+!> The times of steps and outputs of a scene. The run is divided at its output times, each piece
+!> into equal steps no longer than h. Everything is a function of the number of the piece, never of
+!> history, so that a run continued from a restart takes the same steps.
 module poinsot_scene_schedule
    use poinsot_core_kinds, only: dp, i8
    use poinsot_effect_effect, only: effect, torque_effect

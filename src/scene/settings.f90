@@ -1,4 +1,4 @@
-!> A scene with types: what the reader makes of the file and what the run needs.
+!> A typed scene: what the reader makes of the file and the run needs.
 module poinsot_scene_settings
    use poinsot_core_time_table, only: time_table_list
    use poinsot_core_kinds, only: dp, i8
@@ -13,7 +13,7 @@ module poinsot_scene_settings
 
    integer, parameter :: random_none = 0, random_uniform = 1, random_thermal = 2
 
-   !> One &bodies group. Momentum and attitude stand in the principal frame here.
+   !> One &bodies group. Momentum and attitude are in the principal frame.
    type :: body_group
       integer :: line = 0                     !! in the file, for messages
       integer(i8) :: count = 1

@@ -1,4 +1,4 @@
-!> What the reader finds in a scene file, before anything is known about its meaning.
+!> The contents of a scene file after scanning, before they are interpreted.
 module poinsot_scene_source
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise

@@ -1,5 +1,4 @@
-!> The bodies of a run as plain arrays: where they begin, and how they look in the scene's own
-!> frame.
+!> The bodies of a run as plain arrays: initial states, and states in the scene's own frame.
 module poinsot_scene_states
    use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_core_kinds, only: dp, i4, i8
@@ -63,7 +62,7 @@ contains
       end do
    end subroutine first_states
 
-   !> What is held of one group, behind the `last` body of the groups before.
+   !> The part of one group held here, after the `last` body of the groups before.
    subroutine fill(bodies, group, seed, last, states)
       type(body_group), intent(in) :: bodies
       integer, intent(in) :: group, last

@@ -148,7 +148,7 @@ contains
          " columns or more, the header has " // text_of(head%columns))
    end subroutine read_row
 
-   !> The field at `at`, which moves behind it; at = 0 when there is none.
+   !> The field at `at`, which moves past it; at = 0 if there is none.
    pure subroutine next_field(text, commas, at, field)
       character(*), intent(in) :: text
       logical, intent(in) :: commas

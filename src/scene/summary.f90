@@ -1,4 +1,4 @@
-!> summary.txt: what ran, how long it took, what stayed constant, how far from the exact answer.
+!> summary.txt: the run, its time, drift of conserved quantities, and the error.
 module poinsot_scene_summary
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised
@@ -18,7 +18,7 @@ module poinsot_scene_summary
 
    integer, parameter :: most_bodies_shown = 3, most_classes_shown = 5
 
-   !> What a run says about itself.
+   !> The report of a run.
    type :: run_report
       character(:), allocatable :: state      !! complete, interrupted, failed
       character(:), allocatable :: reason     !! why it failed

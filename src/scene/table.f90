@@ -1,7 +1,6 @@
-!> Tables of numbers from a text file: a line has a time and some values; # or ! begins a comment.
-!> What
-!> other programs put around a table does no harm: a byte order mark, one line of headings, a
-!> Ctrl-Z.
+!> Tables of numbers from a text file: each line has a time and some values; # or ! starts a
+!> comment. A byte order mark, a header line and a final Ctrl-Z, as written by other programs, are
+!> allowed.
 module poinsot_scene_table
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -87,7 +86,7 @@ contains
       if (n == 0 .and. .not. raised(error)) call reject(error, file, 0, "holds no rows of numbers")
    end subroutine read_table
 
-   !> Is a line one of headings: words, and no number among them?
+   !> Is a line a header: words, and no number among them?
    pure logical function is_heading(text)
       character(*), intent(in) :: text
       character(:), allocatable :: rest

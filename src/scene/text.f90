@@ -1,4 +1,4 @@
-!> Words and numbers for people: lower case, numbers as short text that reads back to the same bits.
+!> Text for users: lower case, and numbers as short text that is read back exactly.
 module poinsot_scene_text
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_message, only: printable

@@ -1,5 +1,5 @@
-!> Trajectories as text: CSV for anything, extended XYZ for OVITO. Writers take plain arrays, one
-!> call a frame; what bodies to write is the caller's choice.
+!> Trajectories as text: CSV for general use, extended XYZ for OVITO. Writers take plain arrays, one
+!> call per frame; the caller selects the bodies.
 module poinsot_scene_trajectory
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised

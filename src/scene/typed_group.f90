@@ -1,5 +1,5 @@
-!> A group of the scene file met with the table of its keys: values of the right type and number,
-!> defaults filled in, and the line of each key kept for messages.
+!> A group of the scene file checked against the table of its keys: values of the right type and
+!> number, defaults filled in, and the line of each key kept for messages.
 module poinsot_scene_typed_group
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raised, clear
@@ -242,7 +242,7 @@ contains
       end if
    end subroutine numbers_of
 
-   !> The one number of a key, given or default; 0 if there is none.
+   !> The number of a key, given or default; 0 if there is none.
    real(dp) function number_of(typed, key) result(value)
       type(typed_group), intent(in) :: typed !! keys with their values
       character(*), intent(in) :: key        !! its name

@@ -1,4 +1,4 @@
-!> The values behind a key of a scene file: numbers, logicals, strings, repeats and null values.
+!> The values of a key in a scene file: numbers, logicals, strings, repeats and null values.
 module poinsot_scene_values
    use poinsot_core_error, only: poinsot_error, raised
    use poinsot_scene_text, only: lower, quoted, text_of

@@ -1,6 +1,5 @@
-!> view.html: the motion of a run, to watch in any browser. The page itself is a file in its own
-!> language (share/poinsot/view.html); here its data are gathered while the run goes on and put in
-!> their place.
+!> view.html: the motion of a run, to watch in any browser. The page is a template
+!> (share/poinsot/view.html); its data are collected here during the run and inserted.
 module poinsot_scene_view
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
@@ -177,7 +176,7 @@ contains
       call end_page(template, file, error)
    end subroutine remake_view
 
-   !> A page begins with the template up to where its data go, and ends with what stands behind.
+   !> A page is the template with data inserted: first the part before, at the end the part after.
    subroutine start_page(template, path, file, error)
       character(*), intent(in) :: template, path
       type(out_file), intent(out) :: file
@@ -207,7 +206,7 @@ contains
       bare = text(max(1, verify(text, newline)):verify(text, newline, back=.true.))
    end function without_ends
 
-   !> A file as it stands. Error: POINSOT_E_IO.
+   !> The contents of a file. Error: POINSOT_E_IO.
    subroutine read_whole(path, text, error)
       character(*), intent(in) :: path
       character(:), allocatable, intent(out) :: text

@@ -1,5 +1,5 @@
-!> What a page has to know of a scene to show its motion rightly: free body, gyrostat, top,
-!> satellite, body in a field; and the vectors of its bodies, along their principal axes.
+!> The data that a page needs to show a scene: free body, gyrostat, top, satellite or body in a
+!> field; and the vectors of its bodies, along their principal axes.
 module poinsot_scene_view_setting
    use poinsot_core_kinds, only: dp
    use poinsot_effect_registry, only: describe_effect, effect_number, shown_key

@@ -1,5 +1,6 @@
-!> How a run asks its caller whether to go on, and tells how far it is. The library prints nothing
-!> and holds no flag: a program extends this type (app/: progress on the terminal, SIGINT).
+!> How a run asks its caller whether to continue, and reports its progress. The library prints
+!> nothing and has no global flag: a program extends this type (app/: progress on the terminal,
+!> SIGINT).
 module poinsot_scene_watch
    use poinsot_core_kinds, only: dp
    implicit none(type, external)

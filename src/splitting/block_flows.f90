@@ -1,8 +1,8 @@
-!> One block of bodies of one class at work: their state, and the flows that a splitting composes.
+!> One block of bodies of one class: their state, and the flows that a splitting composes.
 !>
 !> The block owns y, q, carry, status and id from the moment they are loaded until they are stored;
-!> whatever moves a body moves them here. What acts on it was composed when the plan was closed
-!> (poinsot_splitting_class_flows) and is looked at through pointers, for the length of a call.
+!> all flows act on them here. The effects on the class were composed when the plan was made ready
+!> (poinsot_splitting_class_flows), and are accessed through pointers during a call.
 module poinsot_splitting_block_flows
    use poinsot_core_kinds, only: dp, i8, groups, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step
@@ -71,7 +71,7 @@ module poinsot_splitting_block_flows
 
 contains
 
-   !> Say what acts on the bodies. Everything must stay where it is as long as the block works.
+   !> Attach the effects on the bodies. Nothing may be moved while the block is in use.
    subroutine attach(self, class, method, acting, effects, seed)
       class(block_flows), intent(inout) :: self
       type(body_class), intent(in), target :: class
@@ -174,7 +174,7 @@ contains
       end if
    end subroutine turn
 
-   !> Zero in every lane that stands still.
+   !> Zero in every inactive lane.
    pure subroutine mask_failed_lanes(status, d)
       integer, intent(in) :: status(lanes)
       real(dp), intent(inout) :: d(:, :)
@@ -294,7 +294,7 @@ contains
       call self%mask_massless_axes(self%gradient)
    end subroutine finish_gradient
 
-   !> y += b g + c G with what stands in g and gradient.
+   !> y += b g + c G, with the contents of g and gradient.
    subroutine apply_kick(self, b, c)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: b, c

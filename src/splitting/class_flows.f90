@@ -1,4 +1,5 @@
-!> What acts on the bodies of one class: composed once, when a plan is closed, and never changed.
+!> The effects on the bodies of one class: composed once, when a plan is made ready, and never
+!> changed.
 module poinsot_splitting_class_flows
    use poinsot_core_length, only: length_of
    use poinsot_core_kinds, only: dp

@@ -26,7 +26,7 @@ contains
       is_table = .not. row%adaptive
    end function is_table
 
-   !> Name of the splitting in row i, 1 to splitting_count, as people see them listed; "" outside.
+   !> Name of the splitting in row i, 1 to splitting_count, in listed order; "" outside.
    pure function splitting_name(i) result(name)
       integer, intent(in) :: i
       character(:), allocatable :: name

@@ -1,4 +1,4 @@
-!> The one stepper: runs any table of rotations and kicks over any system that has them.
+!> The stepper: runs any table of rotations and kicks over any system that provides them.
 module poinsot_splitting_stepper
    use poinsot_core_kinds, only: dp, i8
    use poinsot_splitting_tableaux, only: splitting, operation

@@ -2,10 +2,10 @@
 !> G to y (g the body torque, G its force gradient, mathematics.md section 6). Flows are applied
 !> left to right.
 !>
-!> All schemes are symmetric, so a row holds the left half of the coefficients, the middle one last;
-!> T and K alternate. Those of Blanes and Moan, Chin, and Omelyan, Mryglod and Folk use that the
-!> kinetic energy is quadratic in y: [U, [U, [U, T]]] = 0. A new scheme is one row of `rows`,
-!> anywhere in it, with the next free number: people see rows in their order, programs by number.
+!> All schemes are symmetric, so a row has the left half of the coefficients, the middle one last; T
+!> and K alternate. Those of Blanes and Moan, Chin, and Omelyan, Mryglod and Folk use that the
+!> kinetic energy is quadratic in y: [U, [U, [U, T]]] = 0. A new scheme is one row of `rows`, at any
+!> position, with the next free number: users see rows in their order, programs by number.
 module poinsot_splitting_tableaux
    use poinsot_core_kinds, only: dp, qp, name_length
    implicit none(type, external)

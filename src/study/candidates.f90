@@ -1,4 +1,4 @@
-!> What can turn the bodies of a scene: methods times splittings, as far as they apply.
+!> Candidates for a scene: methods times splittings, as far as they apply.
 module poinsot_study_candidates
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised

@@ -1,4 +1,4 @@
-!> What is asked of a choice, and its answer.
+!> The request for a choice, and the result.
 module poinsot_study_choice
    use poinsot_core_kinds, only: dp, i8
    use poinsot_scene_settings, only: scene_settings
@@ -8,7 +8,7 @@ module poinsot_study_choice
    private
    public :: choose_request, choice, chosen, chosen_scene
 
-   !> What is asked.
+   !> The request.
    type :: choose_request
       real(dp) :: tol = 1e-8_dp                !! attitude in radians, momentum relative, at the end
       real(dp) :: budget = 20                  !! seconds of the processor
@@ -33,7 +33,7 @@ module poinsot_study_choice
    integer, parameter, public :: out_of_reach = 2     !! rounding, or the order of what was named
    integer, parameter, public :: motion_chaotic = 3   !! nothing can be, to the scene's end
 
-   !> The answer.
+   !> The result.
    type :: choice
       type(chosen) :: best, runner_up          !! %h = 0: there is none
       integer :: ended = tolerance_kept

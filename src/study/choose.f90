@@ -1,5 +1,6 @@
-!> The cheapest method, splitting and step that meet a tolerance on a scene and a machine, by trial
-!> on the scene's own bodies; the choice is then put to the test on all of them, from start to end.
+!> The cheapest method, splitting and step size that meet a tolerance for a scene on this machine,
+!> found by trial on the scene's own bodies; the choice is then verified on all of them, from start
+!> to end.
 module poinsot_study_choose
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised

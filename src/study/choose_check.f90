@@ -1,5 +1,5 @@
-!> A choice put to the test: the scene as it will be run, all its bodies from start to end, beside a
-!> reference. Bodies beyond the tolerance join those that are tried.
+!> Verification of a choice: the scene as it will be run, all its bodies from start to end, against
+!> a reference. Bodies that miss the tolerance are added to the trial states.
 module poinsot_study_choose_check
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_error, only: poinsot_error, raised

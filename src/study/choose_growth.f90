@@ -1,5 +1,5 @@
-!> How errors grow where no choice would do: bodies followed by `taylor` at its finest beside
-!> quadruple precision.
+!> Growth of errors where no choice meets the tolerance: bodies followed by `taylor` at its smallest
+!> tolerance, compared with quadruple precision.
 module poinsot_study_choose_growth
    use poinsot_core_kinds, only: dp, i8, qp
    use poinsot_core_error, only: poinsot_error, raised

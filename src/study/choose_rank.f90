@@ -1,5 +1,5 @@
-!> Who of those that meet a tolerance is taken: the likely ones are timed in turn, and of those that
-!> cost the same the most accurate is the choice.
+!> Ranking of the candidates that meet a tolerance: the likely ones are timed in turn, and among
+!> those of equal cost the most accurate is chosen.
 module poinsot_study_choose_rank
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_scene_settings, only: scene_settings, body_total
@@ -102,7 +102,7 @@ contains
       best = minloc(contenders%error, 1, mask=cost_of <= as_cheap*minval(cost_of))
    end function best_of
 
-   !> A contender as an answer.
+   !> A candidate as a result.
    subroutine take(scene, all, k, cost_of, best)
       type(scene_settings), intent(in) :: scene
       type(trials), intent(in) :: all

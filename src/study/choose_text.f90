@@ -1,4 +1,4 @@
-!> A choice in sentences: for the terminal, for a scene file, for a summary.
+!> A choice in words: for the terminal, a scene file, a summary.
 module poinsot_study_choose_text
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised
@@ -18,7 +18,7 @@ module poinsot_study_choose_text
 
 contains
 
-   !> What `poinsot choose` says.
+   !> The output of `poinsot choose`.
    subroutine choice_lines(scene, tol, answer, lines)
       type(scene_settings), intent(in) :: scene
       real(dp), intent(in) :: tol

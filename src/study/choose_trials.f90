@@ -1,5 +1,5 @@
-!> What a choice tries: the scene without noise, some of its bodies and states near them, a
-!> reference to measure errors by, the candidates, and the number of steps that outputs ask for.
+!> The trials of a choice: the scene without noise, some of its bodies and states near them, a
+!> reference to measure errors, the candidates, and the number of steps required by outputs.
 module poinsot_study_choose_trials
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raised
@@ -19,7 +19,7 @@ module poinsot_study_choose_trials
    private
    public :: trials, prepare_trials, prepare_task
 
-   !> What is tried: a scene without noise, and some of its bodies.
+   !> The trials: a scene without noise, and some of its bodies.
    type :: trials
       type(scene_settings) :: quiet
       type(scene_kind) :: kind

@@ -1,6 +1,6 @@
-!> Clocks. Work on one thread is timed by the processor's own time, which stands still while another
-!> program has the processor. A budget is of the wall's clock where people wait for all that fits in
-!> (`cost`), of the processor's where the answer must not depend on who else is at work (`choose`).
+!> Clocks. Work on one thread is timed by processor time, which does not advance while another
+!> program has the processor. A budget is wall-clock time where the user waits for the result
+!> (`cost`), and processor time where the result must not depend on other programs (`choose`).
 module poinsot_study_clock
    use poinsot_core_kinds, only: dp, i8
    implicit none(type, external)
@@ -23,7 +23,7 @@ contains
       limit_in%at = now_by(limit_in) + seconds
    end function limit_in
 
-   !> A part of what is left.
+   !> A part of the remaining time.
    type(time_limit) function part_of(limit, share)
       type(time_limit), intent(in) :: limit
       real(dp), intent(in) :: share

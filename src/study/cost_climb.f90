@@ -1,4 +1,4 @@
-!> Errors of a cost study: every candidate with shorter and shorter steps.
+!> Errors of a cost study: every candidate with smaller and smaller steps.
 module poinsot_study_cost_climb
    use poinsot_core_kinds, only: dp, i8
    use poinsot_ensemble_plan, only: poinsot_plan

@@ -1,4 +1,4 @@
-!> Which points of a cost study its pictures show.
+!> The points of a cost study that its pictures show.
 module poinsot_study_cost_curves
    use poinsot_core_kinds, only: dp
    use poinsot_study_cost_data, only: cost_study

@@ -1,4 +1,4 @@
-!> What a cost study is asked, and what it finds.
+!> The request for a cost study, and its results.
 module poinsot_study_cost_data
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_study_candidates, only: candidate, scene_kind
@@ -13,7 +13,7 @@ module poinsot_study_cost_data
 
    integer, parameter, public :: few = 24 !! so many candidates are all shown and named
 
-   !> What is asked.
+   !> The request.
    type :: cost_request
       character(24), allocatable :: methods(:), splittings(:) !! size 0: all that apply
       real(dp) :: budget = 60                 !! seconds for everything
@@ -26,7 +26,7 @@ module poinsot_study_cost_data
       integer(i8) :: most_steps = 2_i8**40    !! from start to end
    end type cost_request
 
-   !> What is found.
+   !> The results.
    type :: cost_study
       type(scene_kind) :: kind
       type(candidate), allocatable :: candidates(:)

@@ -1,5 +1,4 @@
-!> A cost study as files: every point as CSV, the initial states and where they end, and the
-!> sentences that people read.
+!> A cost study as files: every point as CSV, the initial and end states, and the report.
 module poinsot_study_cost_files
    use poinsot_core_kinds, only: dp, qp
    use poinsot_core_maxima, only: larger
@@ -102,7 +101,7 @@ contains
       flag = merge("1", "0", is)
    end function flag
 
-   !> members.csv: where every body begins and, as the reference says, ends; 17 digits.
+   !> members.csv: initial state and reference end state of every body; 17 digits.
    subroutine write_members(path, scene, study, error)
       character(*), intent(in) :: path
       type(scene_settings), intent(in) :: scene
@@ -274,7 +273,7 @@ contains
       end do
    end subroutine put_choices
 
-   !> Who it is, and the tolerance of who has one.
+   !> The candidate, and its tolerance if it has one.
    function point_label(study, p) result(text)
       type(cost_study), intent(in) :: study
       type(cost_point), intent(in) :: p

@@ -1,4 +1,4 @@
-!> Long runs of a cost study: who is followed, and with which step.
+!> Long runs of a cost study: which candidates, and with which step size.
 module poinsot_study_cost_long
    use poinsot_core_kinds, only: dp
    use poinsot_core_maxima, only: larger, largest_of

@@ -1,5 +1,5 @@
-!> Pictures of a cost study: which it has, and cost.gp and rivals.csv, what their scripts
-!> (share/poinsot/plots) need to know beside cost.csv and drift.csv.
+!> Pictures of a cost study: which there are, and cost.gp and rivals.csv, the data that their
+!> scripts (share/poinsot/plots) need besides cost.csv and drift.csv.
 module poinsot_study_cost_plots
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised

@@ -1,4 +1,4 @@
-!> One point of a work-precision diagram: a candidate with one step, its errors and its time.
+!> One point of a work-precision diagram: a candidate with one step size, its errors and its time.
 module poinsot_study_cost_point
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8

@@ -1,4 +1,4 @@
-!> The efficient frontier with as few names as measured times can tell apart.
+!> The efficient frontier, with as few candidates as the measured times can distinguish.
 module poinsot_study_efficient
    use poinsot_core_kinds, only: dp
    use poinsot_core_maxima, only: larger
@@ -11,7 +11,7 @@ module poinsot_study_efficient
    real(dp), parameter :: coarsest = 0.3_dp, finest = 1e-17_dp
    real(dp), parameter :: grid = 1.2589254117941673_dp !! ten tolerances a decade
 
-   !> A range of tolerances and who is cheapest there.
+   !> A range of tolerances and the cheapest candidate there.
    type :: frontier_part
       integer :: candidate = 0
       real(dp) :: from = 0, to = 0   !! errors, coarse to fine

@@ -1,5 +1,5 @@
-!> How the energy's error grows in long runs: a few candidates, each with the step it would be used
-!> with.
+!> Growth of the energy error in long runs: a few candidates, each with the step size it would be
+!> used with.
 module poinsot_study_energy_drift
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_maxima, only: larger, largest_of

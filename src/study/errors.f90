@@ -1,4 +1,4 @@
-!> How far a run is from a reference: attitude, momentum, energy, drift of energy; body by body.
+!> Errors of a run against a reference, body by body: attitude, momentum, energy, energy drift.
 module poinsot_study_errors
    use poinsot_core_kinds, only: dp, qp
    use poinsot_core_maxima, only: largest_of
@@ -8,7 +8,7 @@ module poinsot_study_errors
    private
    public :: end_state, body_errors, compare_states, find_errors, attitude_error
 
-   !> A state that others are measured against.
+   !> A reference state.
    type :: end_state
       real(qp), allocatable :: y(:, :)       !! (3, n)
       real(qp), allocatable :: q(:, :)       !! (4, n), of norm 1

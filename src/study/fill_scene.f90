@@ -1,5 +1,5 @@
-!> A scene file with a choice filled in: the text of the file as it is, comments and all, with
-!> method, splitting and step of &scene set.
+!> A scene file with a choice filled in: the text of the file unchanged, including comments, except
+!> for method, splitting and step size of &scene.
 module poinsot_study_fill_scene
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_io, poinsot_e_scene

@@ -1,5 +1,5 @@
-!> One block of free bodies of one kind, without plan or scene: for comparisons where moments need
-!> not be those of a body.
+!> One block of free bodies with the same moments, without plan or scene: for comparisons in which
+!> moments need not be physical.
 module poinsot_study_free_trial
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raised

@@ -1,5 +1,5 @@
-!> Entries in the text of a group of a scene file: where they stand, and how they are set with all
-!> comments kept. A text begins behind "&name" and may go on behind the group's slash.
+!> Entries in the text of a group of a scene file: their position, and how to change them without
+!> touching comments. A text begins after "&name" and may extend beyond the slash of the group.
 module poinsot_study_group_text
    use poinsot_scene_text, only: lower
    implicit none(type, external)
@@ -139,7 +139,7 @@ contains
       if (text(next:next) == "=") at = next + 1
    end function behind_equals
 
-   !> Behind a text in quotes, or behind what stands together.
+   !> The position after a quoted string or an unquoted word.
    pure integer function behind_token(text, from) result(at)
       character(*), intent(in) :: text
       integer, intent(in) :: from

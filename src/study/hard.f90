@@ -1,5 +1,5 @@
-!> `poinsot hard`: hard bodies, hard steps and hard tops through every method and splitting, with a
-!> verdict on each: tables for people, rows for machines.
+!> `poinsot hard`: hard bodies, steps and tops for every method and splitting, with a verdict on
+!> each, as tables and as CSV.
 module poinsot_study_hard
    use poinsot_core_kinds, only: dp, name_length
    use poinsot_core_error, only: poinsot_error, raise, raised

@@ -114,7 +114,7 @@ contains
       figure = merge(0.0_dp, broken, all(good))
    end function few_digits
 
-   !> A body gets this status, and if it is none moves as another one does, to the bit.
+   !> A body gets this status, and if that is OK its motion is bitwise that of another.
    logical function moves(name, moments, momentum, attitude, moments_2, momentum_2, attitude_2, &
          wanted)
       character(*), intent(in) :: name

@@ -75,7 +75,7 @@ contains
       end do
    end subroutine judge_kind
 
-   !> Is a method tried this way? By scale and moments the two that know no order.
+   !> Is a method tested this way? With scale and moments only the two exact ones.
    pure logical function takes_approach(name, approach)
       character(*), intent(in) :: name
       integer, intent(in) :: approach

@@ -1,6 +1,6 @@
-!> What every method promises on every body: measured, one figure a method.
+!> Promises of every method for every body, measured: one figure per method.
 !>
-!> A promise is a procedure here and a row of `promises`: its bound stands beside what it says.
+!> A promise is a procedure here and a row of `promises`, with its bound.
 module poinsot_study_hard_promises
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_value, ieee_quiet_nan, &
       ieee_positive_inf
@@ -19,7 +19,7 @@ module poinsot_study_hard_promises
    private
    public :: promise_names, promise_bounds, promise_about, measure_promise, broken, measured_nothing
 
-   !> A promise: its name, its bound in 1e-16, and what it says.
+   !> A promise: its name, its bound in 1e-16, and its description.
    type :: promise
       character(9) :: name
       real(dp) :: bound
@@ -233,7 +233,7 @@ contains
       end do
    end function any_step
 
-   !> How often a step that is too long is answered all the same, or moves the state.
+   !> How often a step that is too long is accepted, or changes the state.
    real(dp) function too_far(method, b) result(figure)
       type(free_method), intent(in) :: method
       integer, intent(in) :: b

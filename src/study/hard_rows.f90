@@ -1,4 +1,4 @@
-!> The rows of `poinsot hard`: who, on which case, with which figure, and the verdict.
+!> The rows of `poinsot hard`: case, method, figure and verdict.
 module poinsot_study_hard_rows
    use poinsot_core_kinds, only: dp, name_length
    use poinsot_free_method, only: method_count, method_name
@@ -112,7 +112,7 @@ contains
          .or. any(top_names == name) .or. any(series_names == name)
    end function is_case
 
-   !> Place of a row; 0 if there is none.
+   !> Index of a row; 0 if there is none.
    pure integer function find_row(rows, case, who, approach) result(i)
       type(hard_row), intent(in) :: rows(:)
       character(*), intent(in) :: case, who, approach

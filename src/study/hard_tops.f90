@@ -1,4 +1,4 @@
-!> Tops and strong fields through every splitting, with the exact rotor: one figure a splitting.
+!> Tops and strong fields with every splitting and the exact rotor: one figure per splitting.
 !>
 !> A case is a procedure here and a row of `tops`.
 module poinsot_study_hard_tops
@@ -20,7 +20,7 @@ module poinsot_study_hard_tops
    private
    public :: top_names, top_bounds, top_about, measure_top, top_bound
 
-   !> A case: its name, its bound in 1e-16 (-1: top_bound has it), and what is done.
+   !> A case: its name, its bound in 1e-16 (-1: see top_bound), and its description.
    type :: top
       character(9) :: name
       real(dp) :: bound

@@ -1,5 +1,5 @@
-!> The initial states that a study runs: the scene's own, and others like them, so that an error is
-!> not that of one lucky orbit.
+!> The initial states of a study: the scene's own, and similar ones, so that the error is not that
+!> of one atypical orbit.
 module poinsot_study_members
    use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_core_kinds, only: dp, i4, i8

@@ -22,7 +22,7 @@ module poinsot_study_properties
    private
    public :: method_properties, run_properties, measure_method, holds
 
-   !> What is known of one method.
+   !> The measurements of one method.
    type :: method_properties
       character(name_length) :: name = ""
       logical :: has_map = .true.         !! else there are the figures of the kernel alone

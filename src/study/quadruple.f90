@@ -1,6 +1,6 @@
-!> Free bodies in quadruple precision: the reference that double precision is measured against.
+!> Free bodies in quadruple precision: the reference for double precision.
 !>
-!> The explicit exact step (mathematics, section 3) with its series summed for the body at hand: p2
+!> The explicit exact step (mathematics, section 3) with its series summed for the given body: p2
 !> and r2 are constants of the motion, so the series are evaluated once and the steps are closed
 !> formulas. Steps of half a radian; the error after a thousand of them is about 1e-30.
 module poinsot_study_quadruple

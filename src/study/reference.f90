@@ -1,9 +1,9 @@
-!> The solution that candidates are measured against, with an estimate of its own error.
+!> The reference solution for candidates, with an estimate of its own error.
 !>
 !> Free bodies: quadruple precision. Torques that are data: Taylor series (torque_reference.f90).
 !> Other effects (pairs, friction with noise): two schemes of high order with the exact rotor and
-!> compensated sums, each with finer and finer steps until rounding is all that is left (effects
-!> that limit the order to 2 are extrapolated in powers of h^2); the distance of the two is the
+!> compensated sums, each with smaller and smaller steps until only rounding error is left (effects
+!> that limit the order to 2 are extrapolated in powers of h^2); the difference of the two is the
 !> estimate.
 module poinsot_study_reference
    use poinsot_core_kinds, only: dp, i8, qp
@@ -176,7 +176,7 @@ contains
       end do
    end subroutine take_middle
 
-   !> The scheme of the highest order, the cheapest of those; and the same among the others.
+   !> The cheapest scheme of the highest order; and the same among the others.
    subroutine two_best(list, best, other)
       type(candidate), intent(in) :: list(:)
       type(candidate), intent(out) :: best, other

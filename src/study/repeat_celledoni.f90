@@ -1,7 +1,7 @@
 !> E. Celledoni, F. Fasso, N. Safstrom, A. Zanna, The exact computation of the free rigid body
 !> motion and its use in splitting methods, SIAM J. Sci. Comput. 30 (2008) 2084: when does the exact
-!> rotor pay inside a splitting? A top with gravity weak to strong against its spin; for each rotor
-!> the time to one accuracy, each with the splitting and step that serve it best.
+!> rotor pay inside a splitting? A top with gravity from weak to strong compared to its spin; for
+!> each rotor the time to reach one accuracy, with the best splitting and step size for it.
 module poinsot_study_repeat_celledoni
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raised

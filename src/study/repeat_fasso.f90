@@ -1,6 +1,6 @@
 !> F. Fasso, Comparison of splitting algorithms for the rigid body, J. Comput. Phys. 189 (2003) 527:
-!> methods of one order differ by orders of magnitude with the body. Its conclusion as a map of the
-!> error over the triangle of all bodies, for each method.
+!> errors of methods of one order differ by orders of magnitude, depending on the body. Reproduced
+!> as a map of the error over the triangle of all bodies, for each method.
 module poinsot_study_repeat_fasso
    use poinsot_core_kinds, only: dp, i8, lanes, qp
    use poinsot_core_error, only: poinsot_error, raised

@@ -1,6 +1,6 @@
 !> E. Hairer, G. Vilmart, Preprocessed discrete Moser-Veselov algorithm for the full dynamics of a
-!> rigid body, J. Phys. A 39 (2006) 13225, figure 1, once more: two bodies, error against time for
-!> methods of order 2 to 10, and the exact step that was not there then.
+!> rigid body, J. Phys. A 39 (2006) 13225, figure 1, reproduced: two bodies, error against time for
+!> methods of order 2 to 10, and for the exact step, which was not available then.
 module poinsot_study_repeat_hairer
    use poinsot_core_kinds, only: dp, i8, lanes, qp
    use poinsot_core_error, only: poinsot_error, raised

@@ -1,5 +1,5 @@
-!> G. Vilmart, Rigid body dynamics (2013), figure 1: the published end of a thrown book, by the
-!> method that computed it and by others.
+!> G. Vilmart, Rigid body dynamics (2013), figure 1: the published end state of a thrown book, by
+!> the method that computed it and by others.
 module poinsot_study_repeat_review
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raised

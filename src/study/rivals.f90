@@ -1,5 +1,5 @@
-!> Other integrators on the same bodies, measured elsewhere (bench/rivals.sh) and read from CSV: for
-!> the same diagram, and for the ratio of times at equal error.
+!> Other integrators on the same bodies, measured separately (bench/rivals.sh) and read from CSV:
+!> for the same diagram, and for the ratio of times at equal error.
 module poinsot_study_rivals
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised

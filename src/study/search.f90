@@ -1,6 +1,6 @@
-!> The longest step with which a candidate meets a tolerance, and the cheapest candidate: all of
-!> them with long steps first; whoever is dearer than a candidate that meets the tolerance already
-!> is out.
+!> The largest step size with which a candidate meets a tolerance, and the cheapest candidate: all
+!> of them start with large steps; a candidate that costs more than one that meets the tolerance is
+!> dropped.
 module poinsot_study_search
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_maxima, only: larger, largest_of
@@ -58,8 +58,8 @@ module poinsot_study_search
 
 contains
 
-   !> Run the race. Who is `slack` times dearer than another that meets the tolerance is out: with
-   !> usual_slack a choice, with a large one an exhaustive search.
+   !> Run the search. A candidate `slack` times dearer than one that meets the tolerance is out: a
+   !> choice with usual_slack, an exhaustive search with a large one.
    subroutine search_steps(task, contenders, slack, limit, watch)
       type(problem), intent(in) :: task
       type(contender), intent(inout) :: contenders(:)

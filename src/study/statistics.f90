@@ -9,7 +9,7 @@ module poinsot_study_statistics
 
 contains
 
-   !> Quantile between neighbours in order; 0 of no numbers.
+   !> Quantile, interpolated between neighbours; 0 without numbers.
    pure real(dp) function quantile(x, part)
       real(dp), intent(in) :: x(:)      !! finite numbers
       real(dp), intent(in) :: part      !! 0 the least, 0.5 the median, 1 the largest

@@ -1,5 +1,5 @@
-!> Time of a step, measured on a machine that others use too: short runs of many candidates in turn,
-!> so that what disturbs one disturbs all; median, least and spread of the repetitions.
+!> Time of a step, measured on a machine shared with other programs: short runs of many candidates
+!> in turn, so that disturbances affect all; median, minimum and spread of the repetitions.
 module poinsot_study_timing
    use poinsot_core_kinds, only: dp, i8
    use poinsot_ensemble_plan, only: poinsot_plan

@@ -1,10 +1,9 @@
-!> Bodies under torques in quadruple precision: the reference that double precision is measured
-!> against.
+!> Bodies with torques in quadruple precision: the reference for double precision.
 !>
 !> Taylor series of momentum and quaternion themselves, y' = y x w + torques, q' = (1/2) q o (0, w),
 !> w = I^-1 (y - s), with every direction in space that a torque depends on as d' = d x (w - rate
-!> a). The torques are the same data that the Taylor integrator takes (poinsot_effect_terms); the
-!> equations, the unknowns and the step are other ones.
+!> a). The torques are the same data as for the Taylor integrator (poinsot_effect_terms); equations,
+!> unknowns and step size are different.
 module poinsot_study_torque_series
    use poinsot_core_kinds, only: dp, qp
    use poinsot_core_error, only: poinsot_error, raised
@@ -104,7 +103,7 @@ contains
       end do
    end subroutine make_torque_problem
 
-   !> Where a direction stands; a new one joins, with its axis if it turns.
+   !> Index of a direction; a new one is added, with its axis if it rotates.
    pure recursive subroutine see(problem, e, at)
       type(torque_problem), intent(inout) :: problem
       type(space_direction), intent(in) :: e
@@ -163,7 +162,7 @@ contains
       done = .not. abs(t1 - t) > 0
    end subroutine turn_under_torque
 
-   !> The next knot of a table on the way from t to t1, or t1.
+   !> The next knot of a table between t and t1, or t1.
    pure real(qp) function knot_behind(problem, t, t1) result(stop_at)
       type(torque_problem), intent(in) :: problem
       real(qp), intent(in) :: t, t1

@@ -1,5 +1,5 @@
-!> One candidate at work: a scene's plan with a method and a splitting of the study's choice, run
-!> over the members with steps of one length.
+!> A trial of one candidate: a scene's plan with a method and a splitting selected by the study, run
+!> over the members with one step size.
 module poinsot_study_trial
    use, intrinsic :: iso_c_binding, only: c_int
    use poinsot_core_kinds, only: dp, i8
@@ -96,7 +96,7 @@ contains
       run%seconds = processor_seconds() - begun
    end subroutine run_trial
 
-   !> Looks at equal distances that fall on steps.
+   !> Equidistant output times at ends of steps.
    pure integer function common_divisor(checks, steps)
       integer, intent(in) :: checks
       integer(i8), intent(in) :: steps

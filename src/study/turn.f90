@@ -1,4 +1,4 @@
-!> One body through the library's own kernels, as the studies need it.
+!> One body advanced by the library's own kernels, for the studies.
 module poinsot_study_turn
    use poinsot_core_kinds, only: dp, qp, lanes
    use poinsot_core_error, only: poinsot_error, raised

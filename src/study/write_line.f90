@@ -1,4 +1,4 @@
-!> Lines for people, on a unit that the caller opened.
+!> Lines of text, written to a unit that the caller opened.
 module poinsot_study_write_line
    implicit none(type, external)
    private
@@ -6,7 +6,7 @@ module poinsot_study_write_line
 
 contains
 
-   !> One line; none if nobody reads the unit any more.
+   !> Write one line; nothing if the unit is no longer read.
    subroutine write_line(unit, line)
       integer, intent(in) :: unit
       character(*), intent(in) :: line

@@ -1,5 +1,4 @@
-!> The directions in space that torques depend on: an orthonormal basis of what several of them
-!> span.
+!> The directions in space that torques depend on: an orthonormal basis of their span.
 module poinsot_taylor_basis
    use poinsot_core_kinds, only: dp
    use poinsot_rotation_vector, only: cross
@@ -11,7 +10,7 @@ module poinsot_taylor_basis
 
 contains
 
-   !> Add a unit vector's part across the basis to the basis, unless there is none.
+   !> Add the part of a unit vector normal to the basis, normalised, unless it is zero.
    pure subroutine add_direction(v, basis, n)
       real(dp), intent(in) :: v(3)
       real(dp), intent(inout) :: basis(3, 3)   !! orthonormal columns

@@ -1,5 +1,5 @@
-!> Torques at any accuracy: bodies of one class over steps of any length by Taylor series in two
-!> precisions (mathematics.md, "Torques at any accuracy"; Jorba and Zou 2005 for the step).
+!> Torques at any accuracy: bodies of one class, over steps of any size, by Taylor series in two
+!> precisions (mathematics.md, "Torques at any accuracy"; Jorba and Zou 2005 for the step size).
 module poinsot_taylor_integrate
    use poinsot_core_kinds, only: dp
    use poinsot_taylor_problem, only: taylor_problem

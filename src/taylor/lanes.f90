@@ -1,5 +1,5 @@
 !> The Taylor integrator of torques in two precisions on `width` lanes, each with its own body, step
-!> and time. A lane that is done takes the next body; nothing a lane does depends on another.
+!> size and time. A lane that has finished takes the next body; lanes are independent of each other.
 module poinsot_taylor_lanes
    use, intrinsic :: iso_c_binding, only: c_loc, c_f_pointer, c_intptr_t
    use poinsot_core_constants, only: exponent_bits

@@ -1,4 +1,4 @@
-!> Numbers of the Taylor integrator's lanes.
+!> Constants of the Taylor integrator's lanes.
 module poinsot_taylor_lanes_common
    use poinsot_core_kinds, only: sp, dp, i8
    implicit none(type, external)

@@ -1,13 +1,13 @@
-!> What the Taylor integrator needs to know of a body class and the torques on it, worked out once:
-!> right-hand sides with coefficients alone.
+!> A body class and its torques in the form needed by the Taylor integrator, computed once:
+!> right-hand sides that contain only coefficients.
 !>
 !>     omega' = g (omega omega) + [rotor x omega - friction omega + torques]/I
 !>     d' = d x (omega - rate a)
 !>
-!> for every direction d followed: one to three that are orthonormal and fixed in space (the
-!> `basis`), then others, fixed or turning about an axis a that the basis spans. Torques are divided
-!> by I and by the square of a power of two, `unit`, so that moments of 1e-46 and torques of 1e70
-!> meet in numbers near one.
+!> for every direction d integrated: one to three that are orthonormal and fixed in space (the
+!> `basis`), then others, fixed or rotating about an axis a in the span of the basis. Torques are
+!> divided by I and by the square of a power of two, `unit`, so that moments of 1e-46 and torques of
+!> 1e70 give numbers near one.
 module poinsot_taylor_problem
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_method
@@ -198,7 +198,7 @@ contains
       if (power > -1000) problem%rate = max(problem%rate, problem%unit)
    end subroutine choose_unit
 
-   !> A direction that does not turn stands where its phase has brought it.
+   !> A direction that does not rotate is at its phase.
    pure subroutine resolve_fixed(parts)
       type(torque_terms), intent(inout) :: parts
       integer :: i

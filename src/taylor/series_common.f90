@@ -1,4 +1,4 @@
-!> Numbers that the series of both precisions share.
+!> Constants that the series of both precisions share.
 module poinsot_taylor_series_common
    use poinsot_core_kinds, only: dp
    implicit none(type, external)

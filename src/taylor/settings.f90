@@ -1,5 +1,4 @@
-!> What a tolerance means: orders of the series, in double precision and in all; and the times of a
-!> call.
+!> Orders of the series for a tolerance, in double precision and in total; and the times of a call.
 module poinsot_taylor_settings
    use poinsot_core_kinds, only: sp, dp, i8
    implicit none(type, external)

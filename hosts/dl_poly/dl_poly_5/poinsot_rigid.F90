@@ -1,5 +1,5 @@
-! DL_POLY 5's rigid bodies turned by poinsot, all bodies of a domain in one call. Compiled with the host's own files, use_poinsot.sh puts the
-! calls in: the loop of a first stage over bodies is cut in two, and between its halves they turn.
+! Rotation of DL_POLY 5's rigid bodies by poinsot, all bodies of a domain in one call. Compiled with the host; use_poinsot.sh inserts the
+! calls: the loop of a first stage over bodies is split in two, and the bodies are rotated between its halves.
 Module poinsot_rigid
   Use errors_warnings, Only: error
   Use kinds,           Only: wp
@@ -19,7 +19,7 @@ Module poinsot_rigid
 
 Contains
 
-  ! Before the first loop: room for the bodies of this domain, none of which turns yet.
+  ! Before the first loop: allocate for the bodies of this domain, all of them skipped at first.
   Subroutine poinsot_begin(rigid)
     Type(rigid_bodies_type), Intent(In   ) :: rigid
 
@@ -35,7 +35,7 @@ Contains
     p0_of = 0.0_wp; p1_of = 0.0_wp; p2_of = 0.0_wp; p3_of = 0.0_wp
   End Subroutine poinsot_begin
 
-  ! Types of bodies are classes. Where the host has 1/I = 0 the moment is 0: whatever rounding left there is none.
+  ! Types of bodies are classes. Where the host has 1/I = 0 the moment is 0, whatever rounding errors left there.
   Subroutine make_plan(rigid)
     Type(rigid_bodies_type), Intent(In   ) :: rigid
 
@@ -59,7 +59,7 @@ Contains
   End Subroutine make_plan
 
   ! In the first loop, in place of no_squish: the momentum p after the kick, and the force on the centre of mass, of body i. A type with
-  ! frozen particles turns about some axes only, which the host says by 1/I = 0: that remains its own rotation's.
+  ! frozen particles can rotate only about some axes, marked by 1/I = 0: the host's own rotation handles it.
   Subroutine poinsot_keep(i, tstep, rigid, p0, p1, p2, p3, fmx, fmy, fmz)
     Integer,                 Intent(In   ) :: i
     Real(Kind=wp),           Intent(In   ) :: tstep, fmx, fmy, fmz
@@ -79,7 +79,7 @@ Contains
     force(:, i) = [fmx, fmy, fmz]
   End Subroutine poinsot_keep
 
-  ! Between the loops: all of them, freely over tstep, on the host's own quaternions.
+  ! Between the loops: free rotation of all bodies over tstep, on the host's own quaternions.
   Subroutine poinsot_turn(tstep, rigid)
     Real(Kind=wp),           Intent(In   ) :: tstep
     Type(rigid_bodies_type), Intent(InOut) :: rigid
@@ -102,7 +102,7 @@ Contains
     Call require(status, 'free rotation')
   End Subroutine poinsot_turn
 
-  ! In the second loop: what was kept, turned.
+  ! In the second loop: return the stored data of body i, rotated.
   Subroutine poinsot_take(i, p0, p1, p2, p3, fmx, fmy, fmz)
     Integer,       Intent(In   ) :: i
     Real(Kind=wp), Intent(  Out) :: p0, p1, p2, p3, fmx, fmy, fmz
@@ -111,7 +111,7 @@ Contains
     fmx = force(1, i); fmy = force(2, i); fmz = force(3, i)
   End Subroutine poinsot_take
 
-  ! Status 0 is well; any other ends the run, with poinsot's sentence.
+  ! Status 0 is OK; any other ends the run, with poinsot's message.
   Subroutine require(status, what)
     Integer(Kind=4),  Intent(In   ) :: status
     Character(Len=*), Intent(In   ) :: what
