@@ -32,6 +32,7 @@ contains
          new_unittest("jacobi-keeps-momentum", test_momentum), &
          new_unittest("moments-of-each-any-place", test_any_place), &
          new_unittest("moments-of-each-refused", test_refused), &
+         new_unittest("moments-of-each-too-far", test_too_far), &
          new_unittest("moments-of-each-long-run", test_long_run)]
    end subroutine collect_free_lanes
 
@@ -351,6 +352,60 @@ contains
       call advance_each(c, .false., h, 1, y, q, status, groups)
       call expect(error, all(status == poinsot_e_step), "far too long a step")
    end subroutine test_refused
+
+   !> h y/I from 1e16 to where a double ends, split over h, y and I in every way: refused, and the
+   !> state kept, without a square that overflows. Beside each such body one that turns as it would
+   !> alone.
+   subroutine test_too_far(error)
+      type(error_type), allocatable, intent(out) :: error
+      integer, parameter :: powers(12) = [54, 100, 228, 229, 230, 231, 232, 233, 255, 256, 511, 900]
+      type(random_stream) :: stream
+      type(lane_constants) :: c
+      real(dp), dimension(lanes, 3) :: m, y, y0, alone
+      real(dp), dimension(lanes, 4) :: q, q0, alone_q
+      real(dp) :: h(lanes), carry(lanes, 7)
+      integer :: status(lanes), i, k, l, way
+      stream = start_stream(69)
+      do k = 1, size(powers)
+         do way = 0, 3
+            call random_block(stream, y0, q0)
+            m = spread(generic, 1, lanes)
+            h = 0.05_dp
+            call turn(.false., y0, q0, alone, alone_q)
+            do l = 1, lanes, 2
+               i = mod(l/2, 3)
+               if (powers(k) > 700) i = 3 ! a bit of each
+               h(l) = scale(1.99_dp, merge(powers(k), merge(powers(k)/3, 0, i == 3), i == 0))
+               y0(l, :) = scale(1.99_dp, merge(powers(k), merge(powers(k)/3, 0, i == 3), i == 1))
+               m(l, :) = scale(m(l, :), -merge(powers(k), merge(powers(k)/3, 0, i == 3), i == 2))
+            end do
+            call turn(way > 1, y0, q0, y, q)
+            call expect(error, all(status(1::2) == poinsot_e_step) .and. &
+               all(status(2::2) == poinsot_ok), "statuses of steps too far")
+            call expect(error, all(y(1::2, :) == y0(1::2, :)) .and. all(q(1::2, :) == q0(1::2, :)), &
+               "states of bodies that turn too far")
+            call expect(error, way > 0 .or. (all(y(2::2, :) == alone(2::2, :)) .and. &
+               all(q(2::2, :) == alone_q(2::2, :))), "their neighbours")
+            if (allocated(error)) return
+         end do
+      end do
+
+   contains
+
+      subroutine turn(by_jacobi, from_y, from_q, y, q)
+         logical, intent(in) :: by_jacobi
+         real(dp), intent(in) :: from_y(lanes, 3), from_q(lanes, 4)
+         real(dp), intent(out) :: y(lanes, 3), q(lanes, 4)
+         y = from_y
+         q = from_q
+         carry = 0
+         status = poinsot_ok
+         call make_lane_constants(m, groups, c, status)
+         if (mod(way, 2) == 0) call advance_each(c, by_jacobi, h, 5, y, q, status, groups)
+         if (mod(way, 2) == 1) call advance_each(c, by_jacobi, h, 5, y, q, status, groups, carry)
+      end subroutine turn
+
+   end subroutine test_too_far
 
    !> Many steps: |y|, energy and |q| with plain and with compensated sums.
    subroutine test_long_run(error)

@@ -161,7 +161,8 @@ contains
 
    !> The state in sorted, right-handed axes. Is there a lane to be watched: one that has failed, or
    !> whose y/I h might leave the range, now or once it has turned? That by the largest exponents in
-   !> the block: no bit depends on the answer.
+   !> the block: no bit depends on the answer, since no step is taken from 1e15 on, and squares
+   !> overflow from 1e154 on only.
    pure subroutine put_in_order(nvec, c, h, status, y, q, hs, ys, qs, watch)
       integer, intent(in) :: nvec
       type(lane_constants), intent(in) :: c
@@ -370,6 +371,11 @@ contains
             end do
          end do
          call stop_failed(nvec, status, h)
+         do l = 1, n
+            if (status(l) == poinsot_ok) cycle
+            dy(l, :) = 0 ! what is refused moves by no bit
+            dq(l, :) = 0
+         end do
       end if
       gap(:n, 1) = (c%moments(:n, 2) - c%moments(:n, 1))/c%moments(:n, 2)
       gap(:n, 2) = c%f1(:n)
