@@ -71,19 +71,29 @@ contains
    integer(c_int) function drift(plan, bodies, h) bind(c, name="poinsot_do_drift") result(status)
       type(c_ptr), value :: plan, bodies     !! const poinsot_plan *, const poinsot_bodies *
       real(c_double), value :: h
+      integer :: left
+      call drift_plain(plan, bodies, h, one_drift, left, status)
+      if (left > 0) call drift_rest(plan, bodies, h, left, status)
+   end function drift
+
+   ! The rest, in procedures of their own: what is initialised there, the short way does not pay for.
+
+   !> Bodies from `first` on.
+   subroutine drift_rest(plan, bodies, h, first, status)
+      type(c_ptr), intent(in) :: plan, bodies
+      real(c_double), intent(in) :: h
+      integer, intent(in) :: first
+      integer(c_int), intent(inout) :: status !! of those before it; of all
       type(plan_handle), pointer :: p
       type(body_view) :: view
       type(poinsot_error) :: error
       integer(c_int) :: before
-      integer :: left
-      call drift_plain(plan, bodies, h, one_drift, left, before)
-      status = before
-      if (left == 0) return
+      before = status
       call open_both(plan, bodies, p, view, status)
-      if (left > 1) view = view_from(view, left)
+      if (first > 1) view = view_from(view, first)
       if (status == poinsot_ok) call drift_bodies(p%plan, view, h, status, error)
       if (status == poinsot_ok) status = before
-   end function drift
+   end subroutine drift_rest
 
    !> The short way, if a plan and a view ask for no more: bodies of the first class, nothing but y,
    !> q, status, and scale or moments.
@@ -206,16 +216,25 @@ contains
       real(c_double), value :: h
       type(c_ptr), value :: torque           !! const double *const[3]
       integer(c_ptrdiff_t), value :: stride  !! in doubles
+      integer :: left
+      call kick_plain(plan, bodies, h, torque, stride, left, status)
+      if (left > 0) call kick_rest(plan, bodies, h, torque, stride, left, status)
+   end function kick
+
+   subroutine kick_rest(plan, bodies, h, torque, stride, first, status)
+      type(c_ptr), intent(in) :: plan, bodies, torque
+      real(c_double), intent(in) :: h
+      integer(c_ptrdiff_t), intent(in) :: stride
+      integer, intent(in) :: first
+      integer(c_int), intent(inout) :: status !! of those before it; of all
       type(plan_handle), pointer :: p
       type(body_view) :: view
       type(poinsot_error) :: error
       type(c_ptr), pointer :: bases(:)
       type(column) :: columns(3)
       integer(c_int) :: before
-      integer :: j, left
-      call kick_plain(plan, bodies, h, torque, stride, left, before)
-      status = before
-      if (left == 0) return
+      integer :: j
+      before = status
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
       status = poinsot_e_null
@@ -228,15 +247,15 @@ contains
          status = error%code
          if (raised(error)) return
       end if
-      if (left > 1) then
-         view = view_from(view, left)
+      if (first > 1) then
+         view = view_from(view, first)
          do j = 1, 3
-            columns(j)%of => columns(j)%of(left:)
+            columns(j)%of => columns(j)%of(first:)
          end do
       end if
       call kick_bodies(p%plan, view, h, columns, status, error)
       if (status == poinsot_ok) status = before
-   end function kick
+   end subroutine kick_rest
 
    !> Drag and noise of one step.
    integer(c_int) function dissipate(plan, bodies, h, step) &
@@ -259,20 +278,29 @@ contains
       integer(c_int64_t), value :: first, steps
       type(c_funptr), value :: callback      !! poinsot_torque *, may be NULL
       type(c_ptr), value :: context          !! void *
+      integer :: left
+      left = 1
+      status = poinsot_ok
+      if (.not. c_associated(callback) .and. steps >= 0 .and. steps <= huge(0) .and. &
+          first <= huge(first) - max(steps, 0_c_int64_t) .and. ieee_is_finite(t)) then
+         call drift_plain(plan, bodies, h, int(steps), left, status)
+      end if
+      if (left > 0) call step_rest(plan, bodies, t, h, first, steps, callback, context, left, status)
+   end function step
+
+   subroutine step_rest(plan, bodies, t, h, first, steps, callback, context, body, status)
+      type(c_ptr), intent(in) :: plan, bodies, context
+      real(c_double), intent(in) :: t, h
+      integer(c_int64_t), intent(in) :: first, steps
+      type(c_funptr), intent(in) :: callback
+      integer, intent(in) :: body             !! the first of them
+      integer(c_int), intent(inout) :: status !! of those before it; of all
       type(plan_handle), pointer :: p
       type(body_view) :: view
       type(poinsot_error) :: error
       type(c_callback) :: host
       integer(c_int) :: before
-      integer :: left
-      left = 1
-      before = poinsot_ok
-      if (.not. c_associated(callback) .and. steps >= 0 .and. steps <= huge(0) .and. &
-          first <= huge(first) - max(steps, 0_c_int64_t) .and. ieee_is_finite(t)) then
-         call drift_plain(plan, bodies, h, int(steps), left, before)
-         status = before
-         if (left == 0) return
-      end if
+      before = status
       call open_both(plan, bodies, p, view, status)
       if (status /= poinsot_ok) return
       if (c_associated(callback)) then
@@ -280,11 +308,11 @@ contains
          host%context = context
          call step_bodies(p%plan, view, t, h, first, steps, status, error, host)
       else
-         if (left > 1) view = view_from(view, left)
+         if (body > 1) view = view_from(view, body)
          call step_bodies(p%plan, view, t, h, first, steps, status, error)
       end if
       if (status == poinsot_ok) status = before
-   end function step
+   end subroutine step_rest
 
    subroutine evaluate_c(self, t, q, torque, energy, stop)
       class(c_callback), intent(inout) :: self

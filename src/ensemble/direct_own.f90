@@ -9,7 +9,7 @@ module poinsot_ensemble_direct_own
    use poinsot_ensemble_layout, only: body_momentum, body_velocity, space_velocity, from_native, &
       to_native
    use poinsot_ensemble_plain, only: ask_for, plain_arrays, plain_torques, load, load_moments, &
-      load_torques, store
+      load_scale, load_torques, store
    use poinsot_free_lane_moments, only: lane_moments, advance_own, common_limit, &
       complete_moments, take_moments, take_scale
    use poinsot_free_limits, only: are_slow, reject_speed_each
@@ -116,20 +116,12 @@ contains
       integer, intent(in) :: first, m, nvec
       type(lane_moments), intent(inout) :: own
       integer, intent(out) :: status(lanes)
-      integer :: l
-      do l = 1, lanes
-         status(l) = poinsot_ok
-      end do
+      status = poinsot_ok
       if (a%has_moments) then
          call load_moments(a, first, m, nvec, own%moments)
          call take_moments(nvec, own, status)
       else
-         do l = m + 1, group*nvec
-            own%scale(l) = 1
-         end do
-         do l = 1, m
-            own%scale(l) = a%scale(first + l - 1)
-         end do
+         call load_scale(a, first, m, nvec, own%scale)
          call take_scale(class, nvec, own, status)
       end if
       if (momentum == body_velocity .or. momentum == space_velocity) then

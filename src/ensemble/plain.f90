@@ -13,7 +13,7 @@ module poinsot_ensemble_plain
    private
    public :: ask_for, plain_arrays, plain_torques, open_plain, open_plain_view, open_moments, &
       open_torques, &
-      open_plain_torques, load, load_moments, load_torques, store
+      open_plain_torques, load, load_moments, load_scale, load_torques, store
 
    integer, parameter :: bytes = storage_size(1.0_dp)/8
    integer, parameter :: in_cache = 8192        !! so many bodies are near the processor anyway
@@ -163,8 +163,12 @@ contains
       type(c_ptr), intent(in) :: bases(:)       !! three or four
       integer(c_ptrdiff_t), intent(in) :: stride
       type(components), intent(out) :: x
+      integer :: j
       x%stride = stride
-      x%x(:size(bases)) = bases
+      do j = 1, 3 ! one by one: a copy of all would be a call
+         x%x(j) = bases(j)
+      end do
+      if (size(bases) == 4) x%x(4) = bases(4)
       x%rows = .false.
       if (n >= group) x%rows = are_rows(bases, stride)
    end subroutine open_components
@@ -276,6 +280,15 @@ contains
       if (m < group*nvec) call fill(3, 1.0_dp, moments(group*(nvec - 1) + 1, 1))
       call take(3, a%moments, first, m, moments)
    end subroutine load_moments
+
+   !> Scales of the same bodies; 1 for the rest.
+   subroutine load_scale(a, first, m, nvec, scale)
+      type(plain_arrays), intent(in) :: a       !! with scales
+      integer, intent(in) :: first, m, nvec
+      real(dp), intent(inout) :: scale(lanes)
+      if (m < group*nvec) call fill(1, 1.0_dp, scale(group*(nvec - 1) + 1))
+      call copy(m, a%scale(first:first + m - 1), scale)
+   end subroutine load_scale
 
    !> Torques of the same bodies; none on the rest.
    subroutine load_torques(t, first, m, nvec, g)

@@ -67,11 +67,12 @@ contains
       real(dp), intent(in) :: scale(lanes)
       integer(i8), intent(out) :: spread, smallest
       integer(i8) :: bits, most
-      integer :: l
+      integer :: l, n
+      n = iand(group*nvec, not(group - 1)) ! says to the compiler that no lane is left over
       smallest = huge(smallest)
       most = 0
       !GCC$ ivdep
-      do l = 1, group*nvec
+      do l = 1, n
          bits = transfer(scale(l), bits)
          smallest = min(smallest, bits)
          most = max(most, bits)
@@ -82,10 +83,15 @@ contains
    !> Have the moments of a class room for scales that are near 1?
    pure logical function has_room(class)
       type(body_class), intent(in) :: class
-      integer(i8) :: bits(3)
-      bits = transfer(class%moments, bits)
-      has_room = maxval(bits) < shiftl(int(1023 + range - near - 1, i8), 52) .and. &
-         minval(bits) > shiftl(int(1023 - range + near + 1, i8), 52)
+      integer(i8), parameter :: most = shiftl(int(1023 + range - near - 1, i8), 52)
+      integer(i8), parameter :: least = shiftl(int(1023 - range + near + 1, i8), 52)
+      integer(i8) :: bits
+      integer :: j
+      has_room = .true.
+      do j = 1, 3 ! one by one: of all three an array would be allocated
+         bits = transfer(class%moments(j), bits)
+         has_room = has_room .and. bits > least .and. bits < most
+      end do
    end function has_room
 
    pure subroutine judge_scales(class, nvec, scale, status)

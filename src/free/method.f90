@@ -4,9 +4,9 @@
 !> next free number, and for a new kernel its line in `attach`. People see rows in their order,
 !> programs by number.
 module poinsot_free_method
-   use poinsot_core_kinds, only: dp, group, groups, lanes, name_length
+   use poinsot_core_kinds, only: dp, i8, group, groups, lanes, name_length
    use poinsot_core_error, only: poinsot_error, raise
-   use poinsot_core_lanes, only: any_failed, largest
+   use poinsot_core_lanes, only: any_failed
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, conserve
@@ -254,9 +254,15 @@ contains
       integer, intent(in) :: nvec                            !! groups of lanes to work on
       real(dp), intent(inout), optional :: carry(lanes, 7)
       real(dp) :: hl(lanes)
-      hl(:group*nvec) = h(:group*nvec)
-      if (any_failed(status, nvec)) call stop_failed(nvec, status, hl)
-      if (largest(nvec, abs(hl)) > far) call reject_far(nvec, class, y, hl, status)
+      integer(i8) :: most
+      integer :: n, l
+      n = iand(group*nvec, not(group - 1))
+      most = 0
+      do l = 1, n
+         hl(l) = merge(h(l), 0.0_dp, status(l) == poinsot_ok)
+         most = max(most, transfer(abs(hl(l)), most)) ! bits compare like the numbers
+      end do
+      if (most > transfer(far, most)) call reject_far(nvec, class, y, hl, status)
       if (associated(method%step) .and. .not. present(carry)) then
          call method%step(nvec, class, method%terms, hl, y, q, status)
          return
