@@ -382,8 +382,8 @@ contains
             call turn(way > 1, y0, q0, y, q)
             call expect(error, all(status(1::2) == poinsot_e_step) .and. &
                all(status(2::2) == poinsot_ok), "statuses of steps too far")
-            call expect(error, all(y(1::2, :) == y0(1::2, :)) .and. all(q(1::2, :) == q0(1::2, :)), &
-               "states of bodies that turn too far")
+            call expect(error, all(y(1::2, :) == y0(1::2, :)) .and. &
+               all(q(1::2, :) == q0(1::2, :)), "states of bodies that turn too far")
             call expect(error, way > 0 .or. (all(y(2::2, :) == alone(2::2, :)) .and. &
                all(q(2::2, :) == alone_q(2::2, :))), "their neighbours")
             if (allocated(error)) return

@@ -76,7 +76,7 @@ contains
       if (left > 0) call drift_rest(plan, bodies, h, left, status)
    end function drift
 
-   ! The rest, in procedures of their own: what is initialised there, the short way does not pay for.
+   ! The rest, in procedures of their own: the short way does not pay for what is initialised there.
 
    !> Bodies from `first` on.
    subroutine drift_rest(plan, bodies, h, first, status)
@@ -285,7 +285,8 @@ contains
           first <= huge(first) - max(steps, 0_c_int64_t) .and. ieee_is_finite(t)) then
          call drift_plain(plan, bodies, h, int(steps), left, status)
       end if
-      if (left > 0) call step_rest(plan, bodies, t, h, first, steps, callback, context, left, status)
+      if (left > 0) call step_rest(plan, bodies, t, h, first, steps, callback, context, left, &
+         status)
    end function step
 
    subroutine step_rest(plan, bodies, t, h, first, steps, callback, context, body, status)
