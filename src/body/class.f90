@@ -1,10 +1,10 @@
-!> A body class: what a kernel needs to know of a body's moments of inertia, worked out once.
+!> A body class: the constants of a body's moments of inertia that kernels need, computed once.
 !>
-!> Kernels see bodies through axes sorted by moment, I1 <= I2 <= I3 (`order`); an odd order would be
-!> a mirror image, so it comes with `parity = -1`, the sign of momentum and of the vector part of a
-!> rotation. All constants below are dimensionless and finite for every physical body, linear, flat,
-!> symmetric and spherical ones alike; nothing here multiplies two moments, so that SI units of
-!> molecules (1e-46 kg m^2) cost nothing. What a body's own constants share with it is made by
+!> Kernels use axes sorted by moment, I1 <= I2 <= I3 (`order`); an odd permutation would be a mirror
+!> image, so it comes with `parity = -1`, the sign of momentum and of the vector part of a rotation.
+!> All constants below are dimensionless and finite for every physical body, including linear, flat,
+!> symmetric and spherical ones; no two moments are multiplied, so that SI units of molecules (1e-46
+!> kg m^2) do no harm. Constants shared with bodies that have their own moments come from
 !> poinsot_body_constants.
 module poinsot_body_class
    use poinsot_core_kinds, only: dp, group, lanes

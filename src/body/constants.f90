@@ -1,13 +1,13 @@
-!> What the exact step needs to know of the moments of inertia, for a block of bodies: the one
-!> source of these constants, for bodies that all differ and for a body class, which is a block of
-!> one.
+!> The constants of the moments of inertia that the exact step needs, for a block of bodies: the
+!> only source of these constants, both for bodies that all differ and for a body class, which is a
+!> block of one.
 !>
-!> Bodies are seen through axes sorted by moment, I1 <= I2 <= I3; an odd order would be a mirror
-!> image, so it comes with `parity = -1`, the sign of momentum and of the vector part of a rotation.
-!> All constants but the inverse moments are dimensionless, and finite for every physical body,
-!> linear, flat, symmetric and spherical ones alike; nothing here multiplies two moments, so that SI
-!> units of molecules (1e-46 kg m^2) cost nothing. Choices are masks: a lane's bits depend on that
-!> lane alone.
+!> Axes are sorted by moment, I1 <= I2 <= I3; an odd permutation would be a mirror image, so it
+!> comes with `parity = -1`, the sign of momentum and of the vector part of a rotation. All
+!> constants except the inverse moments are dimensionless, and finite for every physical body,
+!> including linear, flat, symmetric and spherical ones; no two moments are multiplied, so that SI
+!> units of molecules (1e-46 kg m^2) do no harm. Choices are masks: the bits of a lane depend on
+!> that lane alone.
 module poinsot_body_constants
    use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: dp, i8, group, lanes

@@ -1,7 +1,7 @@
-!> Inertia tensors: from point masses, about another point, and down to principal axes.
+!> Inertia tensors: from point masses, about another point, and reduced to principal axes.
 !>
-!> A tensor is T = integral of (|x|^2 - x x^T) dm. Everything is done on numbers near 1 (scaled by a
-!> power of two, which costs no digit), so tensors of 1e-46 and of 1e+150 come out alike.
+!> A tensor is T = integral of (|x|^2 - x x^T) dm. All computations use numbers near 1 (scaled by a
+!> power of two, which is exact), so tensors of 1e-46 and of 1e+150 are equally accurate.
 module poinsot_body_inertia
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8

@@ -1,7 +1,7 @@
-!> What a free body keeps: kinetic energy, Casimir, angular momentum in space; and how many ways it
-!> can turn.
+!> Invariants of a free body: kinetic energy, Casimir, angular momentum in space; and the number of
+!> its degrees of freedom.
 !>
-!> A zero moment means an axis about which nothing turns: 1/I counts as 0 there.
+!> A zero moment means an axis without rotation: 1/I counts as 0 there.
 module poinsot_body_invariants
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp

@@ -1,4 +1,4 @@
-!> Principal moments of inertia: can a body have them, and what kind of body has them.
+!> Principal moments of inertia: tests whether they are physical, and the kind of body.
 !>
 !> Moments are I_1 = d_2 + d_3 and so on with d_k the integral of x_k^2 dm (Vilmart's review,
 !> equation 2), so none exceeds the sum of the other two. All tests are relative to the largest

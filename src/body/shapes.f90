@@ -1,7 +1,7 @@
-!> Moments of bodies one can name: solids of even density, and molecules.
+!> Moments of named shapes: solids of uniform density, and molecules.
 !>
-!> A name is a row of a table. Solids take a mass and up to three lengths and are centred on their
-!> principal axes; molecules bring their own mass and size, in amu and angstrom.
+!> A name is a row of a table. Solids have a mass and up to three lengths and are centred on their
+!> principal axes; molecules have a given mass and size, in amu and angstrom.
 module poinsot_body_shapes
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp

@@ -1,8 +1,8 @@
-!> From the caller's arrays into a block and back: `lanes` bodies of one class, checked, in native
-!> variables.
+!> Loads the caller's bodies into a block and stores them back: `lanes` bodies of one class,
+!> checked, in native variables.
 !>
 !> A lane that is refused (not finite, not a unit quaternion, momentum about an axis without
-!> inertia) gets a status and stands in the block at rest, so that it can do no harm; it is never
+!> inertia) gets a status and is at rest in the block, so that it can do no harm; it is never
 !> written back.
 module poinsot_ensemble_block
    use, intrinsic :: iso_c_binding, only: c_int

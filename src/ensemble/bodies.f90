@@ -1,4 +1,4 @@
-!> The caller's bodies, seen through pointers and strides: nothing is copied, nothing is owned.
+!> The caller's bodies, accessed through pointers and strides: nothing is copied or owned.
 module poinsot_ensemble_bodies
    use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_size_t, c_ptrdiff_t, c_int, &
       c_int64_t, c_associated, c_f_pointer, c_sizeof

@@ -1,4 +1,4 @@
-!> Do a plan and the caller's bodies fit together? Asked at the start of every call.
+!> Checks at the start of every call that a plan and the caller's bodies fit together.
 module poinsot_ensemble_check
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method, poinsot_e_null, poinsot_e_size

@@ -1,5 +1,5 @@
-!> Bodies sorted by class, chunk by chunk, so that they go into blocks of one class. A chunk is the
-!> unit that OpenMP hands to threads.
+!> Chunks of bodies sorted by class, so that they go into blocks of one class. A chunk is the unit
+!> that OpenMP distributes to threads.
 module poinsot_ensemble_chunk
    use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_loc
    use poinsot_core_kinds, only: dp, i8, lanes

@@ -1,10 +1,10 @@
-!> Body classes by their moments: which is the nearest to three numbers, found in far fewer looks
-!> than there are classes.
+!> An index of body classes by their moments: finds the class nearest to three numbers with far
+!> fewer comparisons than there are classes.
 !>
-!> Balanced k-d trees of 1, 2, 4, ... classes, one for each bit of their number, one after the other
-!> with the largest first: one more class makes one tree of all that are as small as it (Bentley and
-!> Saxe 1980). A tree is a range: its root in the middle, what is below on an axis before it, what
-!> is above behind it.
+!> Balanced k-d trees of 1, 2, 4, ... classes, one for each bit of their number, stored with the
+!> largest first: adding a class makes one tree of it and of all trees that are no larger (Bentley
+!> and Saxe 1980). A tree is a range: its root in the middle, smaller values on an axis before it,
+!> larger values after it.
 module poinsot_ensemble_class_index
    use poinsot_core_kinds, only: dp
    implicit none(type, external)

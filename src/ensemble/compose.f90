@@ -1,4 +1,4 @@
-!> Closing a plan: what acts on which class, in whose frame.
+!> Making a plan ready: the effects on each class, in its frame.
 module poinsot_ensemble_compose
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised

@@ -1,4 +1,4 @@
-!> Steps of bodies that see each other, by pair effects or the host's callback.
+!> Steps of bodies that interact, by pair effects or the host's callback.
 module poinsot_ensemble_coupled
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_rounding, only: rounds_to_nearest

@@ -1,7 +1,7 @@
-!> The short way for what hosts do most: free rotation and kicks of bodies of one class, where a
-!> call brings nothing but y, q, statuses, and scales or moments. The kernels, the turning of
-!> momenta and the checks are those of all ways, and so are the bits; what is left out are views,
-!> sorting, and the tables of effects.
+!> A short path for the most frequent calls of hosts: free rotation and kicks of bodies of one
+!> class, if a call has nothing but y, q, statuses, and scales or moments. Kernels, transformations
+!> of momenta and checks are those of the general path, and so are the bits; views, sorting and the
+!> tables of effects are left out.
 module poinsot_ensemble_direct
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_rounding, only: rounds_to_nearest

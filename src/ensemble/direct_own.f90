@@ -1,5 +1,5 @@
-!> The short way for bodies with moments of their own: a number times those of the class, or any.
-!> See poinsot_ensemble_direct.
+!> The short path for bodies with moments of their own: a multiple of those of the class, or
+!> arbitrary. See poinsot_ensemble_direct.
 module poinsot_ensemble_direct_own
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_lanes, only: any_failed

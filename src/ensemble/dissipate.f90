@@ -1,4 +1,4 @@
-!> Drag and thermostat alone: for hosts that run the other flows of a step themselves.
+!> Drag and thermostat alone, for hosts that run the other flows of a step themselves.
 module poinsot_ensemble_dissipate
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised

@@ -1,8 +1,8 @@
-!> The one loop over bodies: chunks handed to threads, blocks loaded, worked on, stored.
+!> The loop over bodies: chunks are distributed to threads; blocks are loaded, processed and stored.
 !>
-!> What is done to a block is a `block_job`; the loop knows nothing of it. Threads start once per
-!> call, however many steps the job makes. Inside a parallel region of the host the loop runs
-!> serial.
+!> The work on a block is a `block_job`, which the loop need not know. Threads start once per call,
+!> however many steps the job takes. Inside a parallel region of the host the loop runs on one
+!> thread.
 module poinsot_ensemble_drive
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_lanes, only: any_failed

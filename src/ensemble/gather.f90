@@ -1,4 +1,4 @@
-!> From the caller's arrays to all blocks at once, and back.
+!> Loads the caller's bodies into all blocks at once, and stores them back.
 module poinsot_ensemble_gather
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised

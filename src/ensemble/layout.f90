@@ -1,5 +1,5 @@
-!> The momentum variables and body frames of other codes, turned into native ones and back, block by
-!> block.
+!> The momentum variables and body frames of other codes, converted to native ones and back, block
+!> by block.
 !>
 !> Native: angular momentum y in the principal frame, attitude q from the principal frame to space.
 !> See docs on conventions.

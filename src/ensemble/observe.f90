@@ -1,5 +1,5 @@
-!> What an ensemble has: energies, momentum, degrees of freedom. Body by body, so that sums do not
-!> depend on threads.
+!> Observables of an ensemble: energies, momentum, degrees of freedom. Body by body, so that sums do
+!> not depend on threads.
 module poinsot_ensemble_observe
    use poinsot_core_kinds, only: dp, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised

@@ -1,5 +1,5 @@
-!> The caller's y and q where little else comes with the bodies: component by component with any
-!> stride, into blocks and back. Full blocks of rows and of component arrays go by vectors.
+!> Loads and stores y and q if the bodies have few other data: component by component with any
+!> stride. Full blocks of rows and of component arrays use vector code.
 module poinsot_ensemble_plain
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_intptr_t, &
       c_loc, &

@@ -1,5 +1,5 @@
 !> The plan: everything about a calculation that does not change from call to call. Immutable once
-!> ready, so that threads may share it; all that belongs to a body is the caller's.
+!> ready, so that threads may share it; all data of bodies belong to the caller.
 module poinsot_ensemble_plan
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8

@@ -1,4 +1,4 @@
-!> Free rotation of many bodies of one kind: the shortest way in.
+!> Free rotation of many bodies with the same moments: the simplest interface.
 module poinsot_ensemble_rotate
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp

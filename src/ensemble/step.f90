@@ -1,5 +1,5 @@
-!> What a host calls every step: `drift` (free rotation), `kick` (its own torques), `step` (both,
-!> with the plan's effects).
+!> The procedures that a host calls every step: `drift` (free rotation), `kick` (its own torques),
+!> `step` (both, with the plan's effects).
 module poinsot_ensemble_step
    use poinsot_core_kinds, only: dp, i8, lanes
    use poinsot_core_error, only: poinsot_error, raise, raised

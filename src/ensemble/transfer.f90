@@ -1,5 +1,5 @@
 !> Copying between the caller's arrays and blocks, as fast as their layout allows: rows and
-!> component arrays in vector code, whatever else by strides. Which it is, is found out once per
+!> component arrays with vector code, other layouts by strides. The layout is determined once per
 !> call.
 module poinsot_ensemble_transfer
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_intptr_t, c_loc, c_ptr

@@ -1,7 +1,7 @@
-!> How increments become the next state: plainly, or with compensated sums.
+!> Adding increments to the state, with plain or compensated sums.
 !>
-!> Compensated, the carry holds what rounding took from y and q. Three corrections then remove what
-!> is left of the drift (mathematics, section 3): the changes of |y| and of energy that the
+!> With compensated sums, the carry holds the rounding errors of y and q. Three corrections then
+!> remove the remaining drift (mathematics, section 3): the changes of |y| and of energy that the
 !> increment itself implies, and the norm of q. All are computed from increments and from the
 !> present state, never from stored invariants. Vilmart (2008), section 3.
 module poinsot_free_accumulate

@@ -1,6 +1,6 @@
-!> `exact`: the explicit exact step for any h. One pass where it is valid, substeps beyond, Jacobi's
-!> functions where substeps would be many. Which of them is a function of the body's state, class
-!> and h alone.
+!> `exact`: the explicit exact step for any h. One evaluation where it is valid, substeps beyond,
+!> Jacobi's functions where many substeps would be needed. The choice is a function of the body's
+!> state, class and h alone.
 module poinsot_free_exact
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_step

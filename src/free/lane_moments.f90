@@ -1,8 +1,8 @@
-!> Moments of inertia of each body's own: those of its class times a number, or any (mathematics,
-!> section 10).
+!> Moments of inertia of each body: a multiple of those of its class, or arbitrary (mathematics,
+!> section 3).
 !>
-!> Bodies of one shape share the constants of their class: a body of moments s I moves over h as one
-!> of moments I over h/s, with the same y. Bodies that all differ have constants for each lane.
+!> Bodies of one shape share the constants of their class: a body of moments s I moves over h like
+!> one of moments I over h/s, with the same y. Bodies that all differ have constants for each lane.
 module poinsot_free_lane_moments
    use poinsot_core_constants, only: exponent_bits
    use poinsot_core_kinds, only: dp, i8, group, lanes

@@ -1,4 +1,4 @@
-!> What no body may exceed, so that no square of a kernel overflows.
+!> Limits on bodies, which keep the squares in kernels from overflowing.
 module poinsot_free_limits
    use poinsot_core_kinds, only: dp, i8, group, lanes
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain

@@ -244,7 +244,7 @@ contains
    end subroutine advance
 
    !> The same with a step for each lane: bodies of one shape and different sizes (moments scale I
-   !> over h are moments I over h/scale, mathematics, section 10), or a time of their own.
+   !> over h are moments I over h/scale, mathematics, section 3), or a time of their own.
    pure subroutine advance_lanes(method, class, h, y, q, status, nvec, carry)
       type(free_method), intent(in) :: method
       type(body_class), intent(in) :: class

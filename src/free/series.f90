@@ -1,8 +1,8 @@
 !> The series of a block of bodies of one class: 1 + P and 1 + R to any degree from 1 to 11, orders
 !> 4 to 24.
 !>
-!> Written out, one loop a degree, because only straight code keeps a bivariate Horner scheme in
-!> vector registers.
+!> Written out, one loop per degree, because only straight-line code keeps a bivariate Horner scheme
+!> in vector registers.
 module poinsot_free_series
    use poinsot_core_kinds, only: dp, group, lanes
    use poinsot_body_class, only: body_class, long_series, highest_degree
