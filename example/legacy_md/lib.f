@@ -1,5 +1,5 @@
 C     The rotation by poinsot: the same three routines as in own.f.
-C     The arrays stay as they are: layout 3, DL_POLY's, is angular
+C     The arrays are unchanged: layout 3, DL_POLY's, is angular
 C     velocities in the body frame and torques in the space frame.
 C
 C     LIBSET  once, when kinds of molecules are known
@@ -23,7 +23,7 @@ C     LIBNOI  friction and noise of step NUMBER, over H
       CALL LIBERR('the method', STATUS)
       CALL POINSOT_PLAN_SET_F(PLAN, 3, 3, STATUS)
       CALL LIBERR('the layout', STATUS)
-C     one thread, as the rest of this program
+C     one thread, like the rest of this program
       CALL POINSOT_PLAN_SET_F(PLAN, 6, 1, STATUS)
       CALL LIBERR('threads', STATUS)
       IF (RATE .GT. 0) THEN
@@ -79,8 +79,8 @@ C     The step: kicks and drifts of a splitting by its number
       CALL LIBERR('noise', STATUS)
       END
 
-C     Status 0 is well; the others stand in poinsot.h. 9: some molecules
-C     failed, and EACH says which; here that ends the run.
+C     Status 0 is OK; poinsot.h lists the others. 9: some molecules
+C     failed, EACH has their statuses; here that ends the run.
       SUBROUTINE LIBERR(WHAT, STATUS)
       CHARACTER*(*) WHAT
       INTEGER STATUS

@@ -1,7 +1,7 @@
 C     Molecular dynamics of rigid water and carbon dioxide in a periodic
 C     box: velocity Verlet for the centres, and for the rotation either
-C     this program's own step (own.f) or poinsot (lib.f), as the line
-C     `rotation` of the input says.
+C     this program's own step (own.f) or poinsot (lib.f), selected by
+C     the line `rotation` of the input.
 C
 C     usage: md <input
       PROGRAM MD
@@ -27,7 +27,7 @@ C     usage: md <input
       IF (FEND .NE. ' ') CALL SAVE(FEND)
       END
 
-C     NSTEP steps of H with energies; at the end what they say
+C     NSTEP steps of H with energies; at the end their statistics
       SUBROUTINE RUN(NSTEP, NPRINT, H)
       INCLUDE 'common.inc'
       INTEGER NSTEP, NPRINT, I, NFORCE
@@ -95,7 +95,7 @@ C     drift: slope of the straight line; fluctuation: rms about it
   110 FORMAT ('result', F8.3, 1P, 2E13.5, 0P, F9.2, F7.2, 3F12.2)
       END
 
-C     One step: kicks and drifts of centres and attitudes side by side
+C     One step: kicks and drifts of centres and attitudes together
       SUBROUTINE STEP(H, FRESH, TROT, TFORCE, NFORCE)
       INCLUDE 'common.inc'
       INTEGER I, NFORCE
@@ -188,7 +188,7 @@ C     Forces, if molecules have moved since the last ones
       FRESH = .TRUE.
       END
 
-C     Centres: velocities by the forces, places by the velocities
+C     Centres: velocities from forces, positions from velocities
       SUBROUTINE KICK(H)
       INCLUDE 'common.inc'
       INTEGER I

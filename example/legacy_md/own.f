@@ -1,5 +1,5 @@
 C     The rotation of this program: NO_SQUISH (Miller et al., J. Chem.
-C     Phys. 116, 8649 (2002)), as codes of this kind have it; axes in
+C     Phys. 116, 8649 (2002)), common in codes of this kind; axes in
 C     LAMMPS's order, the largest moment outside, so that both can be
 C     compared step by step.
 C
@@ -73,7 +73,7 @@ C        back to the angular velocity; the norm loses a last digit
    20 CONTINUE
       END
 
-C     The free turn about body axis K alone, over H
+C     Free rotation about body axis K alone, over H
       SUBROUTINE TURN(K, H, RINV, Q, P)
       INTEGER K
       DOUBLE PRECISION H, RINV, Q(4), P(4), QK(4), PK(4), ZETA, C, S

@@ -68,7 +68,7 @@ C     centres of mass to the origin, moments of inertia
       END
 
 C     NWATER + NCO2 molecules on a cubic lattice, mixed, attitudes and
-C     momenta by chance, temperature TEMP
+C     momenta at random, temperature TEMP
       SUBROUTINE LATTIC(NWATER, NCO2)
       INCLUDE 'common.inc'
       INTEGER NWATER, NCO2, EDGE, I, J, K, L
@@ -85,7 +85,7 @@ C     momenta by chance, temperature TEMP
       PZ = 0
       MASS = 0
       DO 20 I = 1, NMOL
-C        the share of carbon dioxide among the first I molecules
+C        the fraction of carbon dioxide among the first I molecules
          J = (I*NCO2)/NMOL - ((I - 1)*NCO2)/NMOL
          K = 1 + J
          KIND(I) = K
@@ -172,8 +172,8 @@ C     line: kind, centre, velocity, quaternion, angular velocity
       END
 
 C     Sites to a file for another program to check: molecule, site,
-C     kind, place, velocity, force, mass, charge such that the energy is
-C     q q'/r, Lennard-Jones parameters
+C     kind, position, velocity, force, mass, charge such that the energy
+C     is q q'/r, Lennard-Jones parameters
       SUBROUTINE SITES(FILE)
       INCLUDE 'common.inc'
       CHARACTER*(*) FILE
