@@ -164,7 +164,7 @@ contains
       end if
    end subroutine clean_moments
 
-   !> Choose signs, handedness, and the axes that equal moments leave free.
+   !> Choose signs, handedness, and axes that are arbitrary because of equal moments.
    pure subroutine resolve_axes(moments, axes)
       real(dp), intent(in) :: moments(3)
       real(dp), intent(inout) :: axes(3, 3)
@@ -259,7 +259,7 @@ contains
       if (present(centre)) centre = scale(middle, ex)
    end subroutine point_mass_tensor
 
-   !> Refuse masses and positions that make no body.
+   !> Refuse masses and positions that do not make a body.
    pure subroutine check_masses(mass, position, error)
       real(dp), intent(in) :: mass(:), position(:, :)
       type(poinsot_error), intent(inout) :: error

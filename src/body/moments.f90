@@ -38,9 +38,8 @@ module poinsot_body_moments
 
 contains
 
-   !> Take moments as people have them, with few digits: refuse what no rigid body has, and make
-   !> equal what only rounding keeps apart beside a zero moment. The one rule for moments, wherever
-   !> they come from.
+   !> Accept rounded moments: refuse those that no rigid body has, and make equal the two beside a
+   !> zero moment if they differ only by rounding. The only rule for moments, whatever their source.
    !>
    !> Beside a zero moment the other two become their mean if they differ by up to 1e-5: a linear
    !> body. (With more, up to where they are refused, Euler's equations have no solution, and the
@@ -73,7 +72,7 @@ contains
       end associate
    end subroutine accept_moments
 
-   !> Would these moments be taken?
+   !> Are these moments accepted?
    pure subroutine check_moments(moments, error, physical)
       real(dp), intent(in) :: moments(3)          !! principal moments, any order, any unit
       type(poinsot_error), intent(inout) :: error !! as of `accept_moments`
@@ -83,7 +82,7 @@ contains
       call accept_moments(accepted, error, physical)
    end subroutine check_moments
 
-   !> Refuse what is no moment at all.
+   !> Refuse numbers that cannot be moments.
    pure subroutine check_each(moments, error)
       real(dp), intent(in) :: moments(3)
       type(poinsot_error), intent(inout) :: error
@@ -107,7 +106,7 @@ contains
       end do
    end subroutine check_each
 
-   !> Refuse moments that no mass has; `largest` is the index of the largest.
+   !> Refuse moments that no mass distribution has; `largest` is the index of the largest.
    pure subroutine check_body(moments, largest, middle, excess, error)
       real(dp), intent(in) :: moments(3), middle, excess
       integer, intent(in) :: largest
@@ -133,7 +132,7 @@ contains
       if (present(physical)) must_be_physical = physical
    end function must_be_physical
 
-   !> A part of a whole in three digits, for messages: "2.83e-02".
+   !> A ratio with three digits, for messages: "2.83e-02".
    pure function relative_text(part, whole) result(text)
       real(dp), intent(in) :: part   !! finite, not above `whole`
       real(dp), intent(in) :: whole  !! positive
@@ -189,7 +188,7 @@ contains
       if (moments(order(2)) < moments(order(1))) order([1, 2]) = order([2, 1])
    end function ascending_order
 
-   !> What kind of body it is: a `kind_...` value. `kind_at_rest` only when a zero y is given.
+   !> The kind of body, a `kind_...` value. `kind_at_rest` only when a zero y is given.
    pure integer function kind_of_body(moments, y, tolerance)
       real(dp), intent(in) :: moments(3)             !! as `check_moments` allows
       real(dp), intent(in), optional :: y(3)         !! angular momentum, body frame
@@ -221,7 +220,7 @@ contains
       end associate
    end function kind_of_body
 
-   !> Is all mass in a plane (or on a line): is the largest moment the sum of the others?
+   !> Is the body flat (or a line): is the largest moment the sum of the others?
    pure logical function is_flat(moments, tolerance)
       real(dp), intent(in) :: moments(3)          !! as `check_moments` allows
       real(dp), intent(in), optional :: tolerance !! relative to the largest moment; default 32 eps

@@ -72,7 +72,7 @@ module poinsot_body_shapes
       shape_row("benzene", 0, no_spread, [benzene_d1, benzene_d1, 2*benzene_d1], &
          "C6H6, amu A^2; axis 3 normal to the ring (Herzberg 1966)")]
 
-   !> How many shapes there are.
+   !> Number of shapes.
    integer, parameter :: shape_count = size(table)
 
 contains
@@ -162,7 +162,7 @@ contains
       if (row > 0) shape_sizes = table(row)%sizes
    end function shape_sizes
 
-   !> Row of a name in the table, 0 if it is not there.
+   !> Row of a name in the table, 0 if there is none.
    pure integer function row_of(name)
       character(*), intent(in) :: name
       integer :: i

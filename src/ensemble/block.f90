@@ -31,7 +31,7 @@ module poinsot_ensemble_block
       real(dp) :: ahead = 0
    end type clock
 
-   !> The caller's arrays as one call sees them.
+   !> The caller's arrays during one call.
    type :: host_arrays
       type(body_view), pointer :: view => null()
       type(arrays) :: y, q
@@ -179,7 +179,7 @@ contains
       end if
    end subroutine take
 
-   !> And back.
+   !> The inverse.
    subroutine give(a, rows, at, n, from)
       type(arrays), intent(inout) :: a
       integer(c_int), pointer, intent(in) :: rows(:)
@@ -329,7 +329,7 @@ contains
                    - magnitude(norm_slack))
    end function excess
 
-   !> Why a lane was refused: the first of the causes.
+   !> Why a lane was refused: the first cause.
    pure integer function cause(p, q)
       real(dp), intent(in) :: p(:), q(4)
       cause = poinsot_e_domain

@@ -95,7 +95,7 @@ contains
       end do
    end subroutine view_columns
 
-   !> The bodies of a view from one on.
+   !> The bodies of a view from a given one to the last.
    function view_from(view, first) result(rest)
       type(body_view), intent(in) :: view
       integer, intent(in) :: first                 !! 1 to view%n
@@ -215,7 +215,7 @@ contains
       call open_column(base, rows, stride, what, into, error)
    end subroutine open_rows
 
-   !> Rows that the caller names must be there. POINSOT_E_SIZE names the first that is not.
+   !> Check that the rows named by the caller exist. POINSOT_E_SIZE names the first that does not.
    subroutine check_rows(view, error)
       type(body_view), intent(in) :: view
       type(poinsot_error), intent(inout) :: error

@@ -13,7 +13,7 @@ module poinsot_ensemble_check
    public :: check_ready, check_purpose, to_drift, to_kick, to_step, to_observe, &
       to_dissipate
 
-   !> What moments of each body's own must be good for.
+   !> The purpose of a call on bodies with moments of their own.
    integer, parameter :: to_drift = 1, to_kick = 2, to_step = 3, to_observe = 4, &
       to_dissipate = 5
 
@@ -111,7 +111,7 @@ contains
          plan%momentum == space_velocity
    end function wants_time
 
-   !> Does an effect that uses moments change what is asked for?
+   !> Does an effect that uses moments matter for this purpose?
    pure logical function matters(plan, one, purpose)
       type(poinsot_plan), intent(in) :: plan
       class(effect), intent(in) :: one

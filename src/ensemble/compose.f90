@@ -27,8 +27,8 @@ module poinsot_ensemble_compose
 
 contains
 
-   !> Close the plan: compose effects, check that they, the classes and the splitting fit. Immutable
-   !> from here on.
+   !> Make the plan ready: compose effects, check that they, the classes and the splitting fit.
+   !> Immutable from then on.
    subroutine make_ready(plan, error)
       type(poinsot_plan), intent(inout) :: plan
       type(poinsot_error), intent(inout) :: error
@@ -51,7 +51,7 @@ contains
       plan%classless = .false.
    end subroutine make_ready
 
-   !> Every class that an effect names must be there.
+   !> Check that every class named by an effect exists.
    subroutine check_classes(plan, error)
       type(poinsot_plan), intent(inout) :: plan
       type(poinsot_error), intent(inout) :: error
@@ -81,7 +81,7 @@ contains
       end do
    end subroutine check_classes
 
-   !> What acts on each class, once for all classes that nothing tells apart.
+   !> The effects on each class, composed once for classes that share them.
    subroutine compose_all(plan, error)
       type(poinsot_plan), intent(inout) :: plan
       type(poinsot_error), intent(inout) :: error
@@ -162,7 +162,7 @@ contains
       end associate
    end subroutine class_terms
 
-   !> Would an effect's settings mean something else in another frame of the body?
+   !> Do the settings of an effect depend on the frame of the body?
    logical function is_framed(item)
       type(effect_item), intent(in) :: item
       is_framed = .false.
@@ -188,7 +188,7 @@ contains
       if (copies > 0) call grow(plan%effects, copies, error)
    end subroutine make_room_for_copies
 
-   !> What acts on class c: effects as they are, or copies of them in its principal frame.
+   !> The effects on class c: as they are, or copies in its principal frame.
    subroutine compose_one(plan, c, framed, next, error)
       type(poinsot_plan), intent(inout) :: plan
       integer, intent(in) :: c
@@ -212,7 +212,7 @@ contains
                          plan%composed(c), error)
    end subroutine compose_one
 
-   !> An effect as a class with these principal axes sees it.
+   !> An effect in the frame of a class with these principal axes.
    subroutine turn_effect(item, axes, copy, error)
       type(effect_item), intent(in) :: item
       real(dp), intent(in) :: axes(3, 3)
@@ -265,7 +265,7 @@ contains
       end do
    end function all_alike
 
-   !> Show a block what acts on its class. It points into the plan: for the length of a call.
+   !> Attach the effects on its class to a block, by pointers into the plan, for one call.
    subroutine attach_plan(plan, b)
       type(poinsot_plan), intent(in), target :: plan   !! ready
       type(block_flows), intent(inout) :: b            !! number and class are known

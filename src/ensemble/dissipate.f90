@@ -14,7 +14,7 @@ module poinsot_ensemble_dissipate
    private
    public :: dissipate_bodies
 
-   !> What drag and noise do within one step.
+   !> Drag and noise within one step.
    type, extends(block_job) :: dissipation_job
       real(dp) :: h = 0
       integer(i8) :: step = 0
@@ -26,7 +26,7 @@ contains
 
    !> The flow of the plan's drag and thermostats over h, with the random numbers of step number
    !> `step`: bitwise what stands in the middle of that step of `baoab`. It acts on I omega = y - s.
-   !> Bodies on which no such effect acts are not touched.
+   !> Bodies on which no such effect acts are unchanged.
    subroutine dissipate_bodies(plan, view, h, step, status, error)
       type(poinsot_plan), intent(in), target :: plan  !! ready
       type(body_view), intent(in) :: view

@@ -23,9 +23,7 @@ module poinsot_ensemble_drive
    private
    public :: block_job, for_each_block, team_size
 
-   !> Something to do with a block of bodies of one class: of a plan, or, without one, all of the
-   !> one
-   !> class given.
+   !> Work on a block of bodies of one class: of a plan or, without one, of the given class.
    type, abstract :: block_job
       type(poinsot_plan), pointer :: plan => null()
       type(body_class), pointer :: class => null()
@@ -109,7 +107,7 @@ contains
       status = merge(poinsot_e_partial, poinsot_ok, failed)
    end function for_each_block
 
-   !> How many threads of those there are start: each gets some work, or it is not worth its start.
+   !> The number of threads to start: each must get enough work to be worth it.
    pure integer function team_size(threads, ns)
       integer, intent(in) :: threads                !! at least 1
       real(dp), intent(in) :: ns                    !! of all the work, in nanoseconds

@@ -24,7 +24,7 @@ module poinsot_ensemble_layout
                                                     "body-velocity", "space-velocity", &
                                                        "conjugate-momentum"]
 
-   !> Layouts by name, and the momentum variable each stands for.
+   !> Layouts by name, and their momentum variables.
    character(8), parameter :: layout_names(4) = [character(8) :: "native", "lammps", "dl_poly", &
       "hoomd"]
    integer, parameter :: layout_momentum(4) = [body_momentum, space_momentum, body_velocity, &
@@ -83,7 +83,7 @@ contains
       end if
    end subroutine to_native
 
-   !> The way back: y and q of the principal frame -> p and q of the caller.
+   !> The inverse: y and q of the principal frame -> p and q of the caller.
    pure subroutine from_native(momentum, turned, class, rotor, y, q, p, own, nvec)
       integer, intent(in) :: momentum
       logical, intent(in) :: turned
@@ -136,7 +136,7 @@ contains
       end select
    end subroutine from_native
 
-   !> A vector of the host, in space or in the caller's body frame, turned to the principal frame.
+   !> A vector of the host, in space or in the caller's body frame, in the principal frame.
    pure subroutine turn_to_body(space, turned, class, q, v)
       logical, intent(in) :: space               !! it is in the space frame
       logical, intent(in) :: turned              !! the caller's body frame is class%axes

@@ -30,14 +30,13 @@ module poinsot_ensemble_plan
    public :: poinsot_plan, add_class, add_tensor_class, find_class, class_axes, set_option, &
       add_effect, add_ready_effect, grow, refused
 
-   !> A place for a class: arrays of them grow without moving classes about.
+   !> A container for a class: arrays of them can grow without moving classes.
    type :: class_item
       type(body_class), allocatable :: it
       logical :: from_tensor = .false.
    end type class_item
 
-   !> What a calculation needs to know beforehand. It holds all that it uses, so that it may be
-   !> copied.
+   !> The fixed data of a calculation. It owns all that it uses, so that it can be copied.
    type :: poinsot_plan
       logical :: ready = .false.
       type(class_item), allocatable :: classes(:) !! as many as were added, then room for more
@@ -83,14 +82,14 @@ contains
       is_turned = class%turned .and. .not. plan%principal
    end function is_turned
 
-   !> How many classes were added.
+   !> Number of classes added.
    pure integer function class_count(plan)
       class(poinsot_plan), intent(in) :: plan
       class_count = 0
       if (.not. plan%classless) class_count = plan%added
    end function class_count
 
-   !> Add a body class by principal moments; bodies name it by its number.
+   !> Add a body class by principal moments; bodies refer to it by its number.
    subroutine add_class(plan, moments, number, error, axes)
       type(poinsot_plan), intent(inout) :: plan
       real(dp), intent(in) :: moments(3)            !! principal moments, any order, any unit
@@ -212,7 +211,7 @@ contains
       if (number == 0) call add_class(plan, moments, number, error)
    end subroutine find_class
 
-   !> Enter the classes that were added since the last time.
+   !> Index the classes that were added since the last time.
    subroutine update_index(plan, error)
       type(poinsot_plan), intent(inout) :: plan
       type(poinsot_error), intent(inout) :: error
@@ -236,7 +235,7 @@ contains
 
    !> Set an option by name: method, splitting, layout, momentum, frame (of torques: body, space),
    !> threads, seed, tolerance, physical (yes, no: of classes added from then on). Options in any
-   !> case; blanks at the ends do not count. POINSOT_E_METHOD for an unknown name or value, with
+   !> case; blanks at the ends are ignored. POINSOT_E_METHOD for an unknown name or value, with
    !> what there is.
    subroutine set_option(plan, option, text, error)
       type(poinsot_plan), intent(inout) :: plan
@@ -284,7 +283,7 @@ contains
       end select
    end subroutine set_option
 
-   !> Place of a name in a list.
+   !> Index of a name in a list.
    subroutine choose(key, value, names, place, error)
       character(*), intent(in) :: key, value, names(:)
       integer, intent(out) :: place
@@ -397,7 +396,7 @@ contains
       if (allocated(from%settings)) call move_alloc(from%settings, to%settings)
    end subroutine move_item
 
-   !> A ready plan takes no more changes.
+   !> A ready plan cannot be changed.
    logical function refused(plan, error)
       type(poinsot_plan), intent(in) :: plan
       type(poinsot_error), intent(inout) :: error

@@ -80,7 +80,7 @@ contains
       status = for_each_left(view, left, plan%threads, job, status)
    end subroutine drift_bodies
 
-   !> Free steps by the short way, if plan and view ask for no more.
+   !> Free steps by the short path, if plan and view allow it.
    subroutine rotate_plain(plan, view, h, steps, keep, status, left)
       type(poinsot_plan), intent(in) :: plan
       type(body_view), intent(in) :: view
@@ -146,7 +146,7 @@ contains
       status = for_each_left(view, left, plan%threads, job, status)
    end subroutine kick_bodies
 
-   !> A kick by the short way, if plan, view and torques ask for no more.
+   !> A kick by the short path, if plan, view and torques allow it.
    subroutine kick_plain(plan, view, h, torque, status, left)
       type(poinsot_plan), intent(in) :: plan
       type(body_view), intent(in) :: view
@@ -209,7 +209,7 @@ contains
       status = for_each_left(view, left, plan%threads, job, status)
    end subroutine step_bodies
 
-   !> About what a step of a body takes, in nanoseconds.
+   !> Approximate time of a step of one body, in nanoseconds.
    pure real(dp) function step_ns(plan)
       type(poinsot_plan), intent(in) :: plan
       real(dp), parameter :: effect = 5, series = 2000  !! a kick of one effect; a Taylor step

@@ -1,7 +1,7 @@
-!> What a free method is, the registry name <-> method, and one step of a block by any of them.
+!> Methods of free rotation: their registry, and one step of a block by any of them.
 !>
 !> A new method is one kernel in a file of its own, one row of `rows`, anywhere in it and with the
-!> next free number, and for a new kernel its line in `attach`. People see rows in their order,
+!> next free number, and for a new kernel its line in `attach`. Users see rows in their order,
 !> programs by number.
 module poinsot_free_method
    use poinsot_core_kinds, only: dp, i8, group, groups, lanes, name_length
@@ -55,7 +55,7 @@ module poinsot_free_method
       end subroutine step_kernel
    end interface
 
-   !> A free method: what is known of it, and its kernel.
+   !> A free method: its properties, and its kernel.
    type :: free_method
       character(name_length) :: name = ""
       integer :: number = 0                        !! the public one: never another's
@@ -127,7 +127,7 @@ module poinsot_free_method
 
 contains
 
-   !> How many methods there are.
+   !> Number of methods.
    pure integer function method_count()
       method_count = size(rows)
    end function method_count
@@ -146,7 +146,7 @@ contains
       numbered_method_count = size(numbered_methods)
    end function numbered_method_count
 
-   !> Name of the method of public number i, from 1; "" for a number that none has.
+   !> Name of the method of public number i, from 1; "" for an unused number.
    pure function numbered_method(i) result(name)
       integer, intent(in) :: i
       character(:), allocatable :: name
@@ -154,7 +154,7 @@ contains
       if (i >= 1 .and. i <= size(numbered_methods)) name = trim(numbered_methods(i))
    end function numbered_method
 
-   !> Method by name. POINSOT_E_METHOD for an unknown one, with the list of those there are.
+   !> Method by name. POINSOT_E_METHOD for an unknown one, with the list of known ones.
    pure subroutine find_method(name, method, error)
       character(*), intent(in) :: name
       type(free_method), intent(out) :: method
