@@ -141,7 +141,7 @@ module poinsot_splitting_tableaux
          0.015295860994523744732_dp], [width], zero)), &
       tableau("takahashi-imada", 12, 4, "Takahashi, Imada; Blanes, Casas, Ros", 1984, &
          "J. Phys. Soc. Jpn. 53, 3765; Appl. Num. Math. 39, 245", &
-         "order 4 with one torque per step, at outputs only", "T", &
+         "order 4, one torque per step; at outputs only", "T", &
          reshape([0.5_dp, 1.0_dp], [width], zero), &
          gradients=reshape([0.0_dp, 1.0_dp/24.0_dp], [width], zero), &
          processor=reshape([0.11804257670960278_dp, -0.0862006645713153_dp, &
@@ -153,7 +153,7 @@ module poinsot_splitting_tableaux
          "any accuracy, by `tolerance`; steps of any size", adaptive=.true.), &
       tableau("baoab", 14, 2, "Leimkuhler, Matthews; Davidchack et al.", 2013, &
          "J. Chem. Phys. 138, 174102; 142, 144114", &
-         "thermostats: samples attitudes best in large steps", "K", &
+         "thermostats: samples attitudes best, large steps", "K", &
          reshape([0.5_dp, 0.5_dp], [width], zero), inside=.true.), &
       tableau("saba864", 15, 4, "Blanes, Casas, Farres, Laskar, Makazaga, Murua", 2013, &
          "Appl. Numer. Math. 68, 58, ABA(8,6,4)", &
