@@ -21,7 +21,7 @@ module poinsot_ensemble_block
    use poinsot_splitting_block_flows, only: block_flows
    implicit none(type, external)
    private
-   public :: clock, host_arrays, open_host, reject, reject_own, load_block, store_block, &
+   public :: clock, host_arrays, open_host, reject, reject_by_lane, load_block, store_block, &
       store_status, &
       add_momentum, reject_values, reject_torques, add_products, reject_energies
 
@@ -38,7 +38,7 @@ module poinsot_ensemble_block
       integer :: momentum = body_momentum          !! the momentum variable
       logical :: principal = .false.               !! the arrays are in principal frames, whatever
                                                    !! frame a class was given in
-      logical :: has_own = .false.                 !! bodies have moments of their own
+      logical :: has_by_lane = .false.                 !! bodies have moments of their own
       logical :: wants_id = .false.                !! random numbers are drawn by body
       type(clock) :: loaded, stored                !! when velocities are read and written
    end type host_arrays
@@ -65,7 +65,7 @@ contains
       call find_layout(view%q, 4, host%q)
       host%y%scattered = associated(view%y_at)
       host%q%scattered = associated(view%q_at)
-      host%has_own = associated(view%scale) .or. associated(view%moments(1)%of)
+      host%has_by_lane = associated(view%scale) .or. associated(view%moments(1)%of)
    end subroutine open_host
 
    !> The momentum of a class's rotors at a time.
@@ -78,13 +78,13 @@ contains
    end function rotor_then
 
    !> Fill a block with n bodies of one class and check them.
-   subroutine load_block(host, at, n, number, class, own, b)
+   subroutine load_block(host, at, n, number, class, by_lane, b)
       type(host_arrays), intent(in) :: host
       integer, intent(in) :: n                     !! bodies, 1 to lanes
       integer, intent(in) :: at(n)                 !! their places
       integer, intent(in) :: number                !! their class
       type(body_class), intent(in), target :: class
-      type(lane_moments), intent(inout), target :: own !! room for moments of the bodies' own
+      type(lane_moments), intent(inout), target :: by_lane !! room for moments of the bodies' own
       type(block_flows), intent(inout) :: b
       real(dp) :: p(lanes, 4)
 
@@ -96,11 +96,11 @@ contains
       b%status = poinsot_ok
       b%stored = .false.
       b%drops = .false.
-      nullify (b%own)
+      nullify (b%by_lane)
       if (n < lanes) call rest(n + 1, lanes, b%y, b%q)
       call take(host%q, host%view%q_at, at, n, b%q)
-      if (host%has_own) then
-         call load_own(host, at, own, b)
+      if (host%has_by_lane) then
+         call load_by_lane(host, at, by_lane, b)
       else if (host%momentum == body_momentum .and. .not. is_turned(host, class)) then
          call take(host%y, host%view%y_at, at, n, b%y)
          call reject(b%nvec, 3, [class%limit, 0.0_dp], b%y, b%q, b%status)
@@ -113,7 +113,7 @@ contains
             rotor_then(class, host%loaded), p, b%y, b%q)
          call reject_speed(class, b%y, b%status)
       end if
-      if (class%sorted(1) <= 0 .and. .not. host%has_own) then
+      if (class%sorted(1) <= 0 .and. .not. host%has_by_lane) then
          call reject_axis_momentum(spread(class%inverse, 1, lanes), b)
       end if
       if (host%wants_id) call load_id(host%view, b)
@@ -122,31 +122,31 @@ contains
    end subroutine load_block
 
    !> Bodies with moments of their own.
-   subroutine load_own(host, at, own, b)
+   subroutine load_by_lane(host, at, by_lane, b)
       type(host_arrays), intent(in) :: host
       integer, intent(in) :: at(:)                 !! places of the bodies
-      type(lane_moments), intent(inout), target :: own
+      type(lane_moments), intent(inout), target :: by_lane
       type(block_flows), intent(inout) :: b
       real(dp) :: p(lanes, 4)
       integer :: j, l
       if (associated(host%view%scale)) then
-         own%scale = 1
+         by_lane%scale = 1
          do l = 1, b%n
-            own%scale(l) = host%view%scale(at(l))
+            by_lane%scale(l) = host%view%scale(at(l))
          end do
-         call take_scale(b%class, groups, own, b%status)
+         call take_scale(b%class, groups, by_lane, b%status)
       else
-         own%scale = 1
-         own%moments = 1
+         by_lane%scale = 1
+         by_lane%moments = 1
          do j = 1, 3
             do l = 1, b%n
-               own%moments(l, j) = host%view%moments(j)%of(at(l))
+               by_lane%moments(l, j) = host%view%moments(j)%of(at(l))
             end do
          end do
-         call take_moments(groups, own, b%status)
+         call take_moments(groups, by_lane, b%status)
       end if
-      call complete_moments(b%class, groups, own)
-      b%own => own
+      call complete_moments(b%class, groups, by_lane)
+      b%by_lane => by_lane
       p = 0
       call take(host%y, host%view%y_at, at, b%n, p)
       call reject(b%nvec, 4, [huge(p), huge(p), huge(p), huge(p)], p, b%q, b%status)
@@ -156,10 +156,10 @@ contains
          call rest(l, l, p, b%q)
       end do
       call to_native(host%momentum, is_turned(host, b%class), b%class, &
-         rotor_then(b%class, host%loaded), p, b%y, b%q, own)
-      call reject_speed_each(own%limit, b%y, b%status, b%nvec)
-      if (own%linear) call reject_axis_momentum(own%inverse, b)
-   end subroutine load_own
+         rotor_then(b%class, host%loaded), p, b%y, b%q, by_lane)
+      call reject_speed_each(by_lane%limit, b%y, b%status, b%nvec)
+      if (by_lane%linear) call reject_axis_momentum(by_lane%inverse, b)
+   end subroutine load_by_lane
 
    !> Bodies at n places into a block: the rows of the array are their places, or what the caller
    !> says.
@@ -279,27 +279,27 @@ contains
    end subroutine reject
 
    !> The same of momenta y of bodies with moments of their own; and lanes that these have failed.
-   pure subroutine reject_own(class, nvec, own, y, q, status)
+   pure subroutine reject_by_lane(class, nvec, by_lane, y, q, status)
       type(body_class), intent(in) :: class         !! of these bodies
       integer, intent(in) :: nvec
-      type(lane_moments), intent(inout) :: own
+      type(lane_moments), intent(inout) :: by_lane
       real(dp), intent(inout) :: y(lanes, 3), q(lanes, 4)
       integer, intent(inout) :: status(lanes)
       real(dp) :: limit
       integer :: l
-      limit = common_limit(own)
+      limit = common_limit(by_lane)
       if (are_good(nvec, 3, [limit, limit, limit, limit], y, q) .and. &
           .not. any_failed(status, nvec)) return
-      call complete_moments(class, nvec, own)
+      call complete_moments(class, nvec, by_lane)
       do l = 1, group*nvec
-         if (excess(y(l, :), own%limit(l, :), q(l, :)) > 0) then
+         if (excess(y(l, :), by_lane%limit(l, :), q(l, :)) > 0) then
             status(l) = cause(y(l, :), q(l, :))
          else if (status(l) == poinsot_ok) then
             cycle
          end if
          call rest(l, l, y, q)
       end do
-   end subroutine reject_own
+   end subroutine reject_by_lane
 
    !> Is no lane of this kind? Bits are compared: a comparison with a NaN would raise an exception
    !> in hosts that trap. A component of q above 2 counts as 2, so that its square is a number.
@@ -475,7 +475,7 @@ contains
          if (.not. keep_attitude) call give(host%q, host%view%q_at, b%at, n, b%q)
       else
          call from_native(host%momentum, is_turned(host, b%class), b%class, &
-            rotor_then(b%class, host%stored), b%y, b%q, p, b%own)
+            rotor_then(b%class, host%stored), b%y, b%q, p, b%by_lane)
          at(:n) = b%at(:n)
          if (any_failed(b%status)) call pack_lanes(b, p, at, n)
          if (n > 0 .and. .not. keep_momentum) call give(host%y, host%view%y_at, at, n, p)
@@ -497,7 +497,7 @@ contains
       integer :: l
       q = b%q
       call from_native(host%momentum, is_turned(host, b%class), b%class, &
-         rotor_then(b%class, host%stored), b%y, q, p, b%own)
+         rotor_then(b%class, host%stored), b%y, q, p, b%by_lane)
       do l = 1, b%n
          if (.not. b%dropped(l) .or. b%status(l) /= poinsot_ok) cycle
          p(1, :) = p(l, :)

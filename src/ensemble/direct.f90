@@ -8,7 +8,7 @@ module poinsot_ensemble_direct
    use poinsot_core_status, only: poinsot_ok, poinsot_e_domain
    use poinsot_body_class, only: body_class
    use poinsot_ensemble_block, only: reject, reject_torques, add_products
-   use poinsot_ensemble_direct_own, only: kick_own, rotate_own
+   use poinsot_ensemble_direct_by_lane, only: kick_by_lane, rotate_by_lane
    use poinsot_ensemble_layout, only: body_momentum, conjugate_momentum, space_momentum, &
       from_native, to_native
    use poinsot_ensemble_plain, only: plain_arrays, plain_torques, load, load_torques, store
@@ -82,7 +82,7 @@ contains
       call refuse_all(a, failed)
       if (failed) return
       if (associated(a%scale) .or. a%has_moments) then
-         call rotate_own(class, method, momentum, h, steps, keep, a, failed, left)
+         call rotate_by_lane(class, method, momentum, h, steps, keep, a, failed, left)
          return
       end if
       do k = 1, lanes ! a loop here has the compiler align the whole of them
@@ -144,7 +144,7 @@ contains
       type(plain_arrays), intent(in) :: a        !! angular momenta, body frame
       logical, intent(out) :: failed
       integer, intent(out) :: refused            !! status of the moments, or without_inertia
-      type(lane_moments) :: own
+      type(lane_moments) :: by_lane
       real(dp) :: y(lanes, 3), q(lanes, 4), hl(lanes), limit(3)
       integer :: status(lanes), first, m, nvec, most
       refused = poinsot_ok
@@ -152,13 +152,13 @@ contains
       if (failed) return
       status = poinsot_ok
       most = max(1, min(lanes, a%n + group - 1)/group)
-      own%moments(:group*most, :) = spread(moments, 1, group*most)
-      call take_moments(most, own, status)
+      by_lane%moments(:group*most, :) = spread(moments, 1, group*most)
+      call take_moments(most, by_lane, status)
       refused = status(1)
-      if (refused == poinsot_ok .and. own%linear) refused = without_inertia
+      if (refused == poinsot_ok .and. by_lane%linear) refused = without_inertia
       if (refused /= poinsot_ok) return
-      call make_constants(most, own%moments, own%constants)
-      limit = speed_limit(own%moments(1, :))
+      call make_constants(most, by_lane%moments, by_lane%constants)
+      limit = speed_limit(by_lane%moments(1, :))
       hl = h
       do first = 1, a%n, lanes
          m = min(lanes, a%n - first + 1)
@@ -166,7 +166,7 @@ contains
          call load(a, first, m, nvec, y, q)
          status(:group*nvec) = poinsot_ok
          call reject(nvec, 3, [limit, 0.0_dp], y, q, status)
-         call advance_each(own%constants, by_jacobi, hl, steps, y, q, status, nvec)
+         call advance_each(by_lane%constants, by_jacobi, hl, steps, y, q, status, nvec)
          call store(a, first, m, nvec, y, q, status, .false., .false., failed)
       end do
    end subroutine rotate_by_moments
@@ -186,7 +186,7 @@ contains
       call refuse_all(a, failed)
       if (failed) return
       if (associated(a%scale) .or. a%has_moments) then
-         call kick_own(class, momentum, h, g, a, failed, left)
+         call kick_by_lane(class, momentum, h, g, a, failed, left)
          return
       end if
       do l = 1, lanes ! aligned, as in rotate_direct

@@ -123,7 +123,7 @@ contains
       logical, intent(inout) :: failed
       type(class_sorted_chunk) :: h
       type(block_flows) :: b
-      type(lane_moments) :: own
+      type(lane_moments) :: by_lane
       type(body_class), pointer :: class
       integer :: at(lanes), n, c, classes
 
@@ -134,7 +134,7 @@ contains
       classes = 1
       if (associated(job%plan)) classes = job%plan%class_count()
       do n = 1, lanes ! a loop here has the compiler align the whole of them
-         own%scale(n) = 1
+         by_lane%scale(n) = 1
       end do
       call collect_chunk(host%view, classes, length, k, h, failed)
       do
@@ -142,7 +142,7 @@ contains
          if (n == 0) exit
          class => job%class
          if (associated(job%plan)) class => job%plan%classes(c)%it
-         call load_block(host, at(:n), n, c, class, own, b)
+         call load_block(host, at(:n), n, c, class, by_lane, b)
          call job%run(b)
          if (job%read_only) then
             call store_status(host%view, b)

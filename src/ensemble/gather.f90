@@ -101,7 +101,7 @@ contains
       integer :: state
       allocate (system%at(blocks), stat=state)
       if (state == 0) then
-         allocate (system%own(merge(blocks, 1, associated(view%scale) .or. &
+         allocate (system%by_lane(merge(blocks, 1, associated(view%scale) .or. &
                                     associated(view%moments(1)%of))), stat=state)
       end if
       if (state == 0 .and. plan%coupled) then
@@ -136,7 +136,7 @@ contains
             if (n == 0) exit
             k = k + 1
             call load_block(host, at(:n), n, class, plan%classes(class)%it, &
-                            system%own(min(k, size(system%own))), system%at(k))
+                            system%by_lane(min(k, size(system%by_lane))), system%at(k))
             system%at(k)%at(n + 1:) = 0
             call attach_plan(plan, system%at(k))
          end do

@@ -34,7 +34,7 @@ contains
 
    !> p, the caller's momentum variable, and q, from the caller's body frame -> y and q of the
    !> principal frame. A velocity is I^-1 (y - s), s the momentum of the class's rotors.
-   pure subroutine to_native(momentum, turned, class, rotor, p, y, q, own, nvec)
+   pure subroutine to_native(momentum, turned, class, rotor, p, y, q, by_lane, nvec)
       integer, intent(in) :: momentum            !! one of the five variables
       logical, intent(in) :: turned              !! the caller's body frame is class%axes, not the
                                                  !! principal one
@@ -43,7 +43,7 @@ contains
       real(dp), intent(in) :: p(lanes, 4)
       real(dp), intent(inout) :: y(lanes, 3)
       real(dp), intent(inout) :: q(lanes, 4)
-      type(lane_moments), intent(in), optional :: own !! moments that are not those of the class
+      type(lane_moments), intent(in), optional :: by_lane !! moments that are not those of the class
       integer, intent(in), optional :: nvec      !! groups of lanes to work on, instead of all
       real(dp) :: s(lanes, 4)
       integer :: l, j, n
@@ -73,8 +73,8 @@ contains
       end if
       if (momentum == body_velocity .or. momentum == space_velocity) then
          do j = 1, 3
-            if (present(own)) then
-               y(:n, j) = y(:n, j)*own%moments(:n, j)
+            if (present(by_lane)) then
+               y(:n, j) = y(:n, j)*by_lane%moments(:n, j)
             else
                y(:n, j) = y(:n, j)*class%moments(j)
             end if
@@ -84,7 +84,7 @@ contains
    end subroutine to_native
 
    !> The inverse: y and q of the principal frame -> p and q of the caller.
-   pure subroutine from_native(momentum, turned, class, rotor, y, q, p, own, nvec)
+   pure subroutine from_native(momentum, turned, class, rotor, y, q, p, by_lane, nvec)
       integer, intent(in) :: momentum
       logical, intent(in) :: turned
       type(body_class), intent(in) :: class
@@ -92,7 +92,7 @@ contains
       real(dp), intent(in) :: y(lanes, 3)
       real(dp), intent(inout) :: q(lanes, 4)
       real(dp), intent(inout) :: p(lanes, 4)
-      type(lane_moments), intent(in), optional :: own
+      type(lane_moments), intent(in), optional :: by_lane
       integer, intent(in), optional :: nvec      !! groups of lanes to work on, instead of all
       real(dp) :: s(lanes, 4), v(lanes, 3), back(4)
       integer :: l, j, n
@@ -103,8 +103,8 @@ contains
       if (momentum == body_velocity .or. momentum == space_velocity) then
          do j = 1, 3
             if (class%has_rotor) v(:n, j) = v(:n, j) - rotor(j)
-            if (present(own)) then
-               v(:n, j) = v(:n, j)*own%inverse(:n, j)
+            if (present(by_lane)) then
+               v(:n, j) = v(:n, j)*by_lane%inverse(:n, j)
             else
                v(:n, j) = v(:n, j)*class%inverse(j)
             end if

@@ -40,7 +40,7 @@ module poinsot_ensemble_system
    type, extends(flows) :: ensemble_flows
       type(poinsot_plan), pointer :: plan => null()
       type(block_flows), allocatable :: at(:)
-      type(lane_moments), allocatable :: own(:)  !! moments of the bodies' own, of each block
+      type(lane_moments), allocatable :: by_lane(:)  !! moments of the bodies' own, of each block
       class(torque_callback), pointer :: callback => null()
       real(dp), allocatable :: sources(:, :, :)  !! (3, n, effects): what pair effects scatter
       real(dp), allocatable :: changes(:, :)     !! (3, n): its derivative, of one effect

@@ -25,18 +25,18 @@ contains
       real(dp) :: scale
       logical :: left(lanes)
       integer :: l
-      if (.not. associated(b%own)) then
+      if (.not. associated(b%by_lane)) then
          call run_some(plan, plan%taylor(b%number), time, spread(.true., 1, b%n), b)
          return
       end if
       left = b%status == poinsot_ok
       do l = 1, b%n
          if (.not. left(l)) cycle
-         scale = b%own%scale(l)
+         scale = b%by_lane%scale(l)
          call make_scaled(plan, b, l, problem)
-         call run_some(plan, problem, time, left(:b%n) .and. .not. abs(b%own%scale(:b%n) - scale) &
-            > 0, b)
-         where (.not. abs(b%own%scale - scale) > 0) left = .false.
+         call run_some(plan, problem, time, left(:b%n) .and. &
+            .not. abs(b%by_lane%scale(:b%n) - scale) > 0, b)
+         where (.not. abs(b%by_lane%scale - scale) > 0) left = .false.
       end do
    end subroutine run_taylor
 
@@ -50,9 +50,9 @@ contains
       type(torque_terms) :: terms
       type(poinsot_error) :: error
       scaled = b%class
-      scaled%moments = b%own%moments(l, :)
-      scaled%inverse = b%own%inverse(l, :)
-      scaled%limit = b%own%limit(l, :)
+      scaled%moments = b%by_lane%moments(l, :)
+      scaled%inverse = b%by_lane%inverse(l, :)
+      scaled%limit = b%by_lane%limit(l, :)
       associate (flows => plan%composed(plan%composition(b%number)))
          call collect_terms(scaled, [flows%torques, flows%dissipative], plan%effects, terms, error)
       end associate

@@ -14,7 +14,7 @@ module poinsot_free_lane_moments
    implicit none(type, external)
    private
    public :: lane_moments, take_scale, take_moments, complete_moments, common_limit, &
-      speed_limit, takes_moments, advance_own
+      speed_limit, takes_moments, advance_by_lane
 
    !> Of the bodies of a block.
    type :: lane_moments
@@ -43,21 +43,21 @@ contains
    !> Moments that are those of a class times a number for each body, which stands in `own%scale`. A
    !> number that is not positive, or moments beyond the range of numbers: POINSOT_E_DOMAIN; not
    !> finite: POINSOT_E_NOT_FINITE. Such a lane gets the moments of its class.
-   pure subroutine take_scale(class, nvec, own, status)
+   pure subroutine take_scale(class, nvec, by_lane, status)
       type(body_class), intent(in) :: class
       integer, intent(in) :: nvec                 !! groups of lanes that hold bodies
-      type(lane_moments), intent(inout) :: own
+      type(lane_moments), intent(inout) :: by_lane
       integer, intent(inout) :: status(lanes)
       integer(i8) :: spread, smallest
-      call measure_scales(nvec, own%scale, spread, smallest)
-      own%scaled = .true.
-      own%linear = class%sorted(1) <= 0
+      call measure_scales(nvec, by_lane%scale, spread, smallest)
+      by_lane%scaled = .true.
+      by_lane%linear = class%sorted(1) <= 0
       if (spread > near .or. .not. has_room(class)) then
-         call judge_scales(class, nvec, own%scale, status)
-         call measure_scales(nvec, own%scale, spread, smallest)
+         call judge_scales(class, nvec, by_lane%scale, status)
+         call measure_scales(nvec, by_lane%scale, spread, smallest)
       end if
-      own%wide = spread > near
-      own%least = class%sorted(1)*transfer(smallest, own%least)
+      by_lane%wide = spread > near
+      by_lane%least = class%sorted(1)*transfer(smallest, by_lane%least)
    end subroutine take_scale
 
    !> The largest power of two, either sign, and the bits of the smallest. A number that is not
@@ -134,46 +134,46 @@ contains
 
    !> Moments for each body, which stand in `own%moments`: principal ones, any order, any unit.
    !> Those that no body has: POINSOT_E_DOMAIN; not finite: POINSOT_E_NOT_FINITE.
-   pure subroutine take_moments(nvec, own, status)
+   pure subroutine take_moments(nvec, by_lane, status)
       integer, intent(in) :: nvec                 !! groups of lanes that hold bodies
-      type(lane_moments), intent(inout) :: own
+      type(lane_moments), intent(inout) :: by_lane
       integer, intent(inout) :: status(lanes)
-      own%scaled = .false.
-      own%wide = .false.
-      own%made = .false.
-      call accept_lanes(own%moments, nvec, status, own%least)
-      own%linear = .not. own%least > 0
+      by_lane%scaled = .false.
+      by_lane%wide = .false.
+      by_lane%made = .false.
+      call accept_lanes(by_lane%moments, nvec, status, by_lane%least)
+      by_lane%linear = .not. by_lane%least > 0
    end subroutine take_moments
 
    !> What the step of a body with inertia about every axis does without: moments by a scale, their
    !> inverses, bounds on momenta.
-   pure subroutine complete_moments(class, nvec, own)
+   pure subroutine complete_moments(class, nvec, by_lane)
       type(body_class), intent(in) :: class       !! of these bodies
       integer, intent(in) :: nvec
-      type(lane_moments), intent(inout) :: own
+      type(lane_moments), intent(inout) :: by_lane
       real(dp) :: reciprocal(lanes)
       integer :: j, n
       n = group*nvec
-      if (own%scaled) then
-         reciprocal(:n) = 1/own%scale(:n)  ! one division, and a rounding more for velocities
+      if (by_lane%scaled) then
+         reciprocal(:n) = 1/by_lane%scale(:n)  ! one division, and a rounding more for velocities
          do j = 1, 3
-            own%moments(:n, j) = class%moments(j)*own%scale(:n)
-            own%inverse(:n, j) = class%inverse(j)*reciprocal(:n)
+            by_lane%moments(:n, j) = class%moments(j)*by_lane%scale(:n)
+            by_lane%inverse(:n, j) = class%inverse(j)*reciprocal(:n)
          end do
-      else if (own%linear) then
-         own%inverse(:n, :) = 0
-         where (own%moments(:n, :) > 0) own%inverse(:n, :) = 1/own%moments(:n, :)
+      else if (by_lane%linear) then
+         by_lane%inverse(:n, :) = 0
+         where (by_lane%moments(:n, :) > 0) by_lane%inverse(:n, :) = 1/by_lane%moments(:n, :)
       else
-         own%inverse(:n, :) = 1/own%moments(:n, :)
+         by_lane%inverse(:n, :) = 1/by_lane%moments(:n, :)
       end if
-      own%limit(:n, :) = speed_limit(own%moments(:n, :))
-      if (own%linear) where (.not. own%moments(:n, :) > 0) own%limit(:n, :) = massless
+      by_lane%limit(:n, :) = speed_limit(by_lane%moments(:n, :))
+      if (by_lane%linear) where (.not. by_lane%moments(:n, :) > 0) by_lane%limit(:n, :) = massless
    end subroutine complete_moments
 
    !> A bound on momenta that no body of the block would exceed by turning too fast.
-   pure real(dp) function common_limit(own)
-      type(lane_moments), intent(in) :: own
-      common_limit = speed_limit(own%least)
+   pure real(dp) function common_limit(by_lane)
+      type(lane_moments), intent(in) :: by_lane
+      common_limit = speed_limit(by_lane%least)
    end function common_limit
 
    !> A bound on momentum about an axis with inertia: no body may turn faster than `fastest`.
@@ -190,8 +190,8 @@ contains
 
    !> Steps of a block. A lane whose status is not POINSOT_OK stands still; a lane that fails here
    !> gets its status and keeps its state of then.
-   pure subroutine advance_own(own, method, class, h, steps, y, q, status, nvec, carry)
-      type(lane_moments), intent(inout) :: own
+   pure subroutine advance_by_lane(by_lane, method, class, h, steps, y, q, status, nvec, carry)
+      type(lane_moments), intent(inout) :: by_lane
       type(free_method), intent(in) :: method                !! one that takes them
       type(body_class), intent(in) :: class                  !! of these bodies
       real(dp), intent(in) :: h                              !! step, either sign
@@ -202,28 +202,28 @@ contains
       real(dp), intent(inout), optional :: carry(lanes, 7)   !! compensated sums, if wanted
       real(dp) :: hl(lanes)
       integer :: k
-      if (.not. own%scaled) then
+      if (.not. by_lane%scaled) then
          hl = h
-         if (.not. own%made) call make_constants(nvec, own%moments, own%constants)
-         own%made = .true.
-         call advance_each(own%constants, method%name == "jacobi", hl, steps, y, q, status, nvec, &
-                           carry)
-      else if (own%wide .or. abs(h) > far) then
+         if (.not. by_lane%made) call make_constants(nvec, by_lane%moments, by_lane%constants)
+         by_lane%made = .true.
+         call advance_each(by_lane%constants, method%name == "jacobi", hl, steps, y, q, status, &
+                           nvec, carry)
+      else if (by_lane%wide .or. abs(h) > far) then
          do k = 1, steps
-            call advance_wide(own, method, class, h, y, q, status, nvec, carry)
+            call advance_wide(by_lane, method, class, h, y, q, status, nvec, carry)
          end do
       else
-         hl = h/own%scale
+         hl = h/by_lane%scale
          do k = 1, steps
             call advance_lanes(method, class, hl, y, q, status, nvec, carry)
          end do
       end if
-   end subroutine advance_own
+   end subroutine advance_by_lane
 
    !> The same where scales are far from 1: of h/s only what is left of s without its power of two,
    !> which y is divided by and multiplied by again, without rounding.
-   pure subroutine advance_wide(own, method, class, h, y, q, status, nvec, carry)
-      type(lane_moments), intent(in) :: own
+   pure subroutine advance_wide(by_lane, method, class, h, y, q, status, nvec, carry)
+      type(lane_moments), intent(in) :: by_lane
       type(free_method), intent(in) :: method
       type(body_class), intent(in) :: class
       real(dp), intent(in) :: h
@@ -234,7 +234,7 @@ contains
       integer :: power(lanes), l
       real(dp) :: hl(lanes)
       do l = 1, group*nvec
-         power(l) = exponent(own%scale(l)) - 1
+         power(l) = exponent(by_lane%scale(l)) - 1
          if (status(l) /= poinsot_ok) then
             power(l) = 0
          else if (abs(power(l)) <= near .and. abs(h) <= far) then
@@ -242,7 +242,7 @@ contains
          else if (power(l) > 0 .and. exponent(maxval(abs(y(l, :)))) - power(l) < faint) then
             power(l) = 0
          end if
-         hl(l) = h/scale(own%scale(l), -power(l))
+         hl(l) = h/scale(by_lane%scale(l), -power(l))
          y(l, :) = scale(y(l, :), -power(l))
          if (present(carry)) carry(l, 1:3) = scale(carry(l, 1:3), -power(l))
       end do

@@ -10,7 +10,7 @@ module poinsot_splitting_block_flows
    use poinsot_body_class, only: body_class, rotor_at
    use poinsot_core_length, only: length_of
    use poinsot_free_accumulate, only: add_plain, add_compensated, add_kick, add_kick_compensated
-   use poinsot_free_lane_moments, only: lane_moments, advance_own
+   use poinsot_free_lane_moments, only: lane_moments, advance_by_lane
    use poinsot_free_limits, only: reject_speed, reject_speed_each, reject_torque
    use poinsot_free_method, only: free_method, advance
    use poinsot_effect_effect, only: effect_item, torque_effect, flow_effect
@@ -42,7 +42,7 @@ module poinsot_splitting_block_flows
       logical :: drops                        !! momentum about an axis without inertia was dropped
       logical :: dropped(lanes)               !! in these lanes, if so
       type(body_class), pointer :: class
-      type(lane_moments), pointer :: own !! moments that are not those of the class
+      type(lane_moments), pointer :: by_lane !! moments that are not those of the class
       ! set by `attach`: what acts on it
       type(free_method), pointer :: method
       type(class_flows), pointer :: acting
@@ -118,8 +118,8 @@ contains
    subroutine rotate(self, h)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
-      if (associated(self%own)) then
-         call rotate_own(self, h)
+      if (associated(self%by_lane)) then
+         call rotate_by_lane(self, h)
       else if (self%compensated) then
          call advance(self%method, self%class, h, self%y, self%q, self%status, self%carry, &
                       nvec=self%nvec)
@@ -129,17 +129,17 @@ contains
    end subroutine rotate
 
    !> The same for bodies with moments of their own.
-   subroutine rotate_own(self, h)
+   subroutine rotate_by_lane(self, h)
       class(block_flows), intent(inout) :: self
       real(dp), intent(in) :: h
       if (self%compensated) then
-         call advance_own(self%own, self%method, self%class, h, 1, self%y, self%q, self%status, &
-                          self%nvec, self%carry)
+         call advance_by_lane(self%by_lane, self%method, self%class, h, 1, self%y, self%q, &
+                              self%status, self%nvec, self%carry)
       else
-         call advance_own(self%own, self%method, self%class, h, 1, self%y, self%q, self%status, &
-                          self%nvec)
+         call advance_by_lane(self%by_lane, self%method, self%class, h, 1, self%y, self%q, &
+                              self%status, self%nvec)
       end if
-   end subroutine rotate_own
+   end subroutine rotate_by_lane
 
    !> The turn of the rotor. One whose angle has no right digit: POINSOT_E_STEP.
    subroutine turn(self, t, ahead, h)
@@ -153,11 +153,11 @@ contains
          rotor = rotor_at(self%class, t, ahead)
          rate = length_of(self%class%inverse*rotor)
       end if
-      if (associated(self%own)) then
-         where (self%status == poinsot_ok .and. turn_is_too_long(rate, h, self%own%scale)) &
+      if (associated(self%by_lane)) then
+         where (self%status == poinsot_ok .and. turn_is_too_long(rate, h, self%by_lane%scale)) &
             self%status = poinsot_e_step
          call turn_increment(rotor, rate, self%class%inverse, h, self%y, self%q, dy, dq, &
-            self%own%scale)
+            self%by_lane%scale)
       else if (turn_is_too_long(rate, h)) then
          where (self%status == poinsot_ok) self%status = poinsot_e_step
          return
@@ -223,7 +223,7 @@ contains
    pure logical function grows(self, one)
       class(block_flows), intent(in) :: self
       class(torque_effect), intent(in) :: one
-      grows = associated(self%own)
+      grows = associated(self%by_lane)
       if (grows) grows = one%uses_moments()
    end function grows
 
@@ -236,7 +236,7 @@ contains
       g = 0
       call one%add_torque(self%class, t, self%q, g)
       do j = 1, 3
-         self%g(:, j) = self%g(:, j) + self%own%scale*g(:, j)
+         self%g(:, j) = self%g(:, j) + self%by_lane%scale*g(:, j)
       end do
    end subroutine add_grown_torque
 
@@ -252,9 +252,9 @@ contains
       real(dp), intent(in) :: t, ahead
       real(dp) :: dg(lanes, 3)
       integer :: i, j
-      if (associated(self%own)) then
-         call reject_torque(self%class, self%g, self%status, self%own%scale)
-         self%delta = self%own%inverse*self%g
+      if (associated(self%by_lane)) then
+         call reject_torque(self%class, self%g, self%status, self%by_lane%scale)
+         self%delta = self%by_lane%inverse*self%g
       else
          call reject_torque(self%class, self%g, self%status)
          do i = 1, 3
@@ -269,7 +269,7 @@ contains
                dg = 0
                call one%add_derivative(self%class, one%seen(t, ahead), self%q, self%delta, dg)
                do j = 1, 3
-                  self%gradient(:, j) = self%gradient(:, j) + self%own%scale*dg(:, j)
+                  self%gradient(:, j) = self%gradient(:, j) + self%by_lane%scale*dg(:, j)
                end do
             else
                call one%add_derivative(self%class, one%seen(t, ahead), self%q, self%delta, &
@@ -313,8 +313,8 @@ contains
    !> Bodies that turn faster than any may.
    pure subroutine reject_fast(self)
       class(block_flows), intent(inout) :: self
-      if (associated(self%own)) then
-         call reject_speed_each(self%own%limit, self%y, self%status, groups)
+      if (associated(self%by_lane)) then
+         call reject_speed_each(self%by_lane%limit, self%y, self%status, groups)
       else
          call reject_speed(self%class, self%y, self%status)
       end if
@@ -323,8 +323,8 @@ contains
    !> Has a body no inertia about some axis?
    pure logical function has_massless(self)
       class(block_flows), intent(in) :: self
-      if (associated(self%own)) then
-         has_massless = self%own%linear
+      if (associated(self%by_lane)) then
+         has_massless = self%by_lane%linear
       else
          has_massless = .not. all(self%class%moments > 0)
       end if
@@ -335,8 +335,8 @@ contains
       class(block_flows), intent(in) :: self
       real(dp), intent(inout) :: g(lanes, 3)
       integer :: j
-      if (associated(self%own)) then
-         if (self%own%linear) where (.not. self%own%moments > 0) g = 0
+      if (associated(self%by_lane)) then
+         if (self%by_lane%linear) where (.not. self%by_lane%moments > 0) g = 0
          return
       end if
       do j = 1, 3
@@ -376,9 +376,9 @@ contains
          place = merge(i, n + 1 - i, half == 0)
          select type (one => self%effects(self%acting%dissipative(place))%it)
          class is (flow_effect)
-            if (associated(self%own)) then
+            if (associated(self%by_lane)) then
                call one%apply(self%class, h, self%seed, self%id, step, half + 2*(place - 1), &
-                              self%q, self%y, self%own%scale)
+                              self%q, self%y, self%by_lane%scale)
             else
                call one%apply(self%class, h, self%seed, self%id, step, half + 2*(place - 1), &
                               self%q, self%y)
@@ -408,7 +408,7 @@ contains
       kinetic = 0
       potential = 0
       inverse = spread(self%class%inverse, 1, lanes)
-      if (associated(self%own)) inverse = self%own%inverse
+      if (associated(self%by_lane)) inverse = self%by_lane%inverse
       if (self%class%has_rotor) then
          call add_kinetic(rotor_at(self%class, t, 0.0_dp), inverse, self%y, kinetic)
       else
@@ -422,7 +422,7 @@ contains
             if (grows(self, one)) then
                u = 0
                call one%add_energy(self%class, t, self%q, u)
-               potential = potential + self%own%scale*u
+               potential = potential + self%by_lane%scale*u
             else
                call one%add_energy(self%class, t, self%q, potential)
             end if
