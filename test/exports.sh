@@ -10,7 +10,7 @@ CC=${CC:-cc}
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 bad=0
-most=1000 # kB
+most=1020 # kB: with AVX-512 996; other processors differ by a little
 
 # What the compiler sees in the header, not what our own reader of it does.
 "$CC" -aux-info "$scratch/prototypes" -fsyntax-only -x c include/poinsot.h 2>/dev/null &&
@@ -49,7 +49,6 @@ if nm -D --defined-only "$library" | grep -q 'MOD_poinsot_scene\|poinsot_study';
    echo "scene or study is in the library"
    bad=1
 fi
-# Of an optimised build by gfortran; another processor than this one has a little more.
 text=$(size "$library" | awk 'NR == 2 { print $1 }')
 if [ "$text" -gt $((most*1000)) ]; then
    echo "the library has $((text/1000)) kB of text, at most $most are meant: what runs once goes into tools/by_file.txt"
