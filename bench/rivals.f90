@@ -67,7 +67,7 @@ contains
       do i = 1, size(flows)
          flows(i)%number = i
          flows(i)%class => plan%classes(i)%it
-         nullify (flows(i)%own) ! a block has no defaults
+         nullify (flows(i)%by_lane) ! a block has no defaults
          call attach_plan(plan, flows(i))
       end do
       forced = size(plan%effects) > 0

@@ -95,7 +95,7 @@ contains
       if (.not. it%good) return
       if (size(it%acting%torques) == 0) it%scheme = free_scheme(it%scheme%middle > 0 .and. &
          size(it%acting%dissipative) > 0)
-      nullify (it%block%own)
+      nullify (it%block%by_lane)
       call it%block%attach(it%class, it%method, it%acting, it%effects, 0_i8)
       it%block%compensated = .false.
       it%block%n = lanes
