@@ -8,7 +8,9 @@ module test_core
    use poinsot_core_status, only: poinsot_ok, poinsot_e_null, poinsot_e_axis_momentum, status_text
    use poinsot_core_error, only: poinsot_error, clear, raise, raised
    use poinsot_core_decimal, only: append_number, append_integer, longest_number
+   use poinsot_core_message, only: printable
    use poinsot_core_nearest, only: nearest_name, suggestion
+   use poinsot_core_number, only: parse_real, number_ok, number_range
    use poinsot_core_rounding, only: rounds_to_nearest
    use poinsot_core_version, only: version_number, version_text
    use test_expectation, only: expect
@@ -30,8 +32,32 @@ contains
          new_unittest("version-number-and-text", test_version), &
          new_unittest("version-in-manifest", test_manifest), &
          new_unittest("numbers-as-text", test_numbers), &
+         new_unittest("numbers-from-text", test_number_reader), &
+         new_unittest("text-of-users", test_printable), &
          new_unittest("whole-numbers-as-text", test_whole_numbers)]
    end subroutine collect_core
+
+   !> Zeros in front of a power count for nothing, however many.
+   subroutine test_number_reader(error)
+      type(error_type), allocatable, intent(out) :: error
+      character(16), parameter :: texts(6) = [character(16) :: "1e-0000001", "1e0000001", &
+         "-2.5d+00000002", "1e-0000000000", "1e0000999", "1e-0000999"]
+      real(dp), parameter :: values(6) = [0.1_dp, 10.0_dp, -250.0_dp, 1.0_dp, 0.0_dp, 0.0_dp]
+      real(dp) :: x
+      integer :: i, outcome
+      do i = 1, size(texts)
+         call parse_real(trim(texts(i)), x, outcome)
+         call expect(error, outcome, merge(number_range, number_ok, i == 5), texts(i))
+         call expect(error, abs(x - values(i)) <= 0, "another number: " // texts(i))
+      end do
+   end subroutine test_number_reader
+
+   subroutine test_printable(error)
+      type(error_type), allocatable, intent(out) :: error
+      call expect(error, printable("a" // achar(27) // "b"), "a\x1Bb")
+      call expect(error, len(printable(repeat("a", 1000))), 63, "sixty letters, three points")
+      call expect(error, printable(repeat("a", 5), 3), "aaa...")
+   end subroutine test_printable
 
    subroutine test_rounding(error)
       type(error_type), allocatable, intent(out) :: error

@@ -17,7 +17,8 @@ module test_ensemble
    use poinsot_ensemble_layout, only: momentum_names
    use poinsot_ensemble_observe, only: body_energies, body_momenta, total_degrees_of_freedom
    use poinsot_ensemble_compose, only: make_ready
-   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_ready_effect, set_option
+   use poinsot_ensemble_plan, only: poinsot_plan, add_class, add_effect, add_ready_effect, &
+      set_option
    use poinsot_ensemble_step, only: drift_bodies, kick_bodies, step_bodies
    use poinsot_free_method, only: method_count, method_name, numbered_methods, &
       numbered_method, numbered_method_count
@@ -567,8 +568,9 @@ contains
       type(setting), allocatable :: s(:)
       type(poinsot_plan) :: plan
       type(poinsot_error) :: problem
-      character(24), parameter :: bad(9) = [character(24) :: "centre", "= 1", "a =", "a = 1 two", &
-         "a = 1..2", "a = 1; b", "a = 0, 0, 1e999", "a = -1e308", "a = nan"]
+      character(24), parameter :: bad(11) = [character(24) :: "centre", "= 1", &
+         "a =", "a = 1 two", "a = 1..2", "a = 1; b", "a = 0, 0, 1e999", "a = -1e308", "a = nan", &
+         "a = ,1", "a = 1,,"]
       integer :: i
       call read_settings("centre = 0, -1e-3 2;; frame='space' ; kind = slow;", s, problem)
       call expect(error, .not. raised(problem) .and. size(s) == 3, "three settings")
@@ -586,11 +588,50 @@ contains
          call expect(error, problem%code, poinsot_e_domain, "accepted: "//bad(i))
       end do
       call clear(problem)
+      call read_settings("a = ' b''" // repeat("c", 300000) // "', ;", s, problem) ! in no time
+      call expect(error, len(s(1)%text) == 300003 .and. s(1)%text(:4) == " b'c", "a long text")
+      call read_settings("a = 1" // achar(27) // repeat("1", 1000), s, problem)
+      call expect_plain("a number")
+      call read_settings("a" // achar(27) // repeat("1", 1000), s, problem)
+      call expect_plain("no key")
+      call set_option(plan, "method", "e" // achar(27) // repeat("x", 1000), problem)
+      call expect_plain("a method")
+      call set_option(plan, "splitting", "e" // achar(27) // repeat("x", 1000), problem)
+      call expect_plain("a splitting")
+      call set_option(plan, "seed", "e" // achar(27) // repeat("x", 1000), problem)
+      call expect_plain("a seed")
+      call set_option(plan, "tolerance", "e" // achar(27) // repeat("x", 1000), problem)
+      call expect_plain("a tolerance")
+      call set_option(plan, "e" // achar(27) // repeat("x", 1000), "1", problem)
+      call expect_plain("an option")
+      call set_option(plan, "layout", "e" // achar(27) // repeat("x", 1000), problem)
+      call expect_plain("a layout")
+      call add_effect(plan, "e" // achar(27) // repeat("x", 1000), s(:0), problem)
+      call expect_plain("an effect")
+      call set_option(plan, "momentum", "x", problem)
+      call expect(error, index(problem%message, " there are: body-momentum space-") > 0, &
+         "what is allowed")
+      call clear(problem)
       call set_option(plan, " Threads", " 2 ", problem)
       call set_option(plan, "METHOD ", " dmv8", problem)
       call expect(error, .not. raised(problem) .and. plan%threads == 2 .and. &
          plan%method%name == "dmv8", "blanks and case of an option")
+   contains
+      !> A refusal that shows no byte a terminal would obey, and is not as long as what it refuses.
+      subroutine expect_plain(what)
+         character(*), intent(in) :: what
+         call expect(error, raised(problem), "accepted: " // what)
+         if (allocated(error)) return
+         call expect(error, len(problem%message) < 300 .and. is_plain(problem%message), what)
+         call clear(problem)
+      end subroutine expect_plain
    end subroutine test_settings
+
+   pure logical function is_plain(text)
+      character(*), intent(in) :: text
+      integer :: i
+      is_plain = all([(iachar(text(i:i)) >= 32 .and. iachar(text(i:i)) < 127, i=1, len(text))])
+   end function is_plain
 
    !> Effects have a label and a row: both are of the same names.
    subroutine test_names(error)
@@ -613,9 +654,9 @@ contains
       character(20), parameter :: methods(18) = [character(20) :: "exact", "jacobi", "dmv2", &
          "dmv4", "dmv6", "dmv8", "dmv10", "dmv12", "dmv14", "dmv16", "dmv18", "dmv20", "dmv22", &
          "dmv24", "midpoint", "three-rotations", "symmetric-rotation", "rattle"]
-      character(20), parameter :: effects(10) = [character(20) :: "gravity", "field", &
+      character(20), parameter :: effects(11) = [character(20) :: "gravity", "field", &
          "gravity_gradient", "spring", "torque", "drag", "langevin", "gyrostat", "dipoles", &
-         "callback"]
+         "callback", "potential"]
       integer :: i
       do i = 1, size(effects)
          call expect(error, numbered_effect(i), trim(effects(i)), "an effect's number")
@@ -625,6 +666,7 @@ contains
             "not one number: "//effect_name(i))
       end do
       call expect(error, count(numbered_effects /= ""), effect_count, "shared numbers")
+      call expect(error, numbered_effect_count(), size(effects), "enter a new effect here")
       call expect(error, numbered_effect(0)//numbered_effect(numbered_effect_count() + 1), "")
       do i = 1, size(methods)
          call expect(error, numbered_method(i), trim(methods(i)), "a method's number")
@@ -634,6 +676,7 @@ contains
             "not one number: "//method_name(i))
       end do
       call expect(error, count(numbered_methods /= ""), method_count(), "shared numbers")
+      call expect(error, numbered_method_count(), size(methods), "enter a new method here")
       call expect(error, numbered_method(0)//numbered_method(numbered_method_count() + 1), "")
       do i = 1, size(splittings)
          call expect(error, numbered_splitting(i), trim(splittings(i)), "a splitting's number")
@@ -643,6 +686,7 @@ contains
             "not one number: "//splitting_name(i))
       end do
       call expect(error, count(numbered_splittings /= ""), splitting_count(), "shared numbers")
+      call expect(error, numbered_count(), size(splittings), "enter a new splitting here")
       call expect(error, numbered_splitting(0)//numbered_splitting(numbered_count() + 1), "")
    end subroutine test_numbers
 

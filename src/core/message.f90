@@ -28,13 +28,16 @@ contains
    end function place
 
    !> Text safe to show on a terminal, in one line: other bytes as \xNN, at most 60 of them.
-   pure function printable(text) result(safe)
-      character(*), intent(in) :: text !! any bytes
+   pure function printable(text, most) result(safe)
+      character(*), intent(in) :: text        !! any bytes
+      integer, intent(in), optional :: most   !! how many of them; default 60
       character(:), allocatable :: safe
       character(2) :: hex
-      integer :: i, code
+      integer :: i, code, shown
+      shown = 60
+      if (present(most)) shown = most
       safe = ""
-      do i = 1, min(len(text), 60)
+      do i = 1, min(len(text), shown)
          code = iachar(text(i:i))
          if (code >= 32 .and. code /= 127 .and. code < 128) then
             safe = safe // text(i:i)
@@ -43,7 +46,7 @@ contains
             safe = safe // "\x" // hex
          end if
       end do
-      if (len(text) > 60) safe = safe // "..."
+      if (len(text) > shown) safe = safe // "..."
    end function printable
 
 end module poinsot_core_message

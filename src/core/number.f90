@@ -76,6 +76,7 @@ contains
       if (scan(word(at:at), "+-") == 1) at = at + 1
       if (at > len(word)) return
       if (verify(word(at:), "0123456789") > 0) return
+      at = at - 1 + verify(word(at:len(word) - 1) // "1", "0") ! without zeros in front
       if (len(word) - at >= 6) then
          outcome = number_range
          power = 999999

@@ -7,6 +7,7 @@
 module poinsot_effect_formula
    use poinsot_core_kinds, only: dp
    use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_message, only: printable
    use poinsot_core_nearest, only: suggestion
    use poinsot_core_number, only: parse_real, number_ok
    use poinsot_core_quiet, only: quiet_state, begin_quiet, end_quiet, is_number
@@ -66,7 +67,7 @@ contains
       if (f%full) then
          call fail(r, r%at, "more than 200 operations up to here", error)
       else if (next(r) /= "") then
-         call fail(r, r%at, "'" // r%shown(r%at:r%at) // "' is not expected here", error)
+         call fail(r, r%at, "'" // printable(r%shown(r%at:r%at)) // "' is not expected here", error)
       else if (.not. all(is_number(f%value(:f%n)))) then
          call fail(r, 1, "has a constant part that is not a finite number", error)
       else
@@ -109,7 +110,7 @@ contains
       if (raised(error)) return
       write (number, "(i0)") at
       call raise(error, poinsot_e_domain, "effect 'potential': key '" // r%key // "' = '" // &
-         r%shown // "', character " // trim(number) // ": " // what)
+         printable(r%shown, 400) // "', character " // trim(number) // ": " // what)
    end subroutine fail
 
    !> `name = number`, apart by commas or semicolons.
@@ -308,8 +309,8 @@ contains
          first = r%at
          call read_name(r, name)
          if (name == "") then
-            call fail(r, first, "'" // r%shown(first:first) // "' where a number, a name or ( is " &
-               // "expected", error)
+            call fail(r, first, "'" // printable(r%shown(first:first)) // &
+               "' where a number, a name or ( is expected", error)
          else if (any(functions == name)) then
             call read_call(r, f, name, k, error)
          else

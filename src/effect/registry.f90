@@ -6,6 +6,7 @@ module poinsot_effect_registry
    use poinsot_core_kinds, only: dp, name_length
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_message, only: printable
    use poinsot_core_nearest, only: suggestion
    use poinsot_core_number, only: lower
    use poinsot_effect_effect, only: effect
@@ -168,7 +169,7 @@ contains
       character(:), allocatable :: name
       name = lower(trim(adjustl(called)))
       if (effect_number(name) == 0) then
-         call raise(error, poinsot_e_method, "unknown effect '" // trim(name) // "'" // &
+         call raise(error, poinsot_e_method, "unknown effect '" // printable(name) // "'" // &
                     suggestion(name, effect_names))
          return
       end if

@@ -74,15 +74,15 @@ contains
       if (equals > 0) one%key = lower(trimmed(part(1:equals - 1)))
       if (equals > 0) values = trimmed(part(equals + 1:))
       if (equals == 0) then
-         call raise(error, poinsot_e_domain, "settings: '"//trimmed(part)// &
+         call raise(error, poinsot_e_domain, "settings: '"//printable(trimmed(part))// &
             "' is not of the form key = values")
       else if (len(one%key) == 0 .or. len(values) == 0) then
-         call raise(error, poinsot_e_domain, "settings: '"//trimmed(part)// &
+         call raise(error, poinsot_e_domain, "settings: '"//printable(trimmed(part))// &
             "' lacks its key or its values")
       else if (is_quoted(values)) then
          one%text = between_quotes(values)
       else if (scan(values(1:1), "+-.0123456789") == 1 .or. is_number_word(values)) then
-         call read_numbers(values, one, error)
+         call read_numbers(trim(adjustl(part(equals + 1:))), one, error)
       else
          one%text = values
       end if
@@ -136,19 +136,22 @@ contains
       integer, intent(out) :: repeats
       real(dp), intent(out) :: x
       type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: shown
       integer :: length, outcome
       logical :: good
+      shown = printable(word)
       call parse_repeats(word, repeats, length, good)
       if (good) then
          repeats = max(repeats, 1)
          call parse_real(word(length + 1:), x, outcome)
          if (outcome == number_range) then
-            call reject_values(key, values, "'" // word // "' is not finite or beyond 1e307", error)
+            call reject_values(key, values, "'" // shown // &
+               "' is not finite or beyond 1e307", error)
          else if (outcome /= number_ok) then
-            call reject_values(key, values, "'" // word // "' is not a number", error)
+            call reject_values(key, values, "'" // shown // "' is not a number", error)
          end if
       else
-         call reject_values(key, values, "the repeat count of '" // word // &
+         call reject_values(key, values, "the repeat count of '" // shown // &
             "' is not from 1 to 100000000", error)
       end if
    end subroutine read_number
@@ -156,24 +159,27 @@ contains
    subroutine reject_values(key, values, why, error)
       character(*), intent(in) :: key, values, why
       type(poinsot_error), intent(inout) :: error
-      call raise(error, poinsot_e_domain, "settings: '" // key // " = " // printable(values) // &
-         "': " // why)
+      call raise(error, poinsot_e_domain, "settings: '" // printable(key) // " = " // &
+         printable(values) // "': " // why)
    end subroutine reject_values
 
    !> The text between the quotes, with doubled quotes made single.
    pure function between_quotes(s) result(text)
       character(*), intent(in) :: s
       character(:), allocatable :: text
-      integer :: i
-      text = ""
+      integer :: i, n
+      allocate (character(len(s)) :: text)
+      n = 0
       i = 2
       do while (i < len(s))
-         text = text // s(i:i)
+         n = n + 1
+         text(n:n) = s(i:i)
          if (s(i:i) == s(1:1) .and. i + 1 < len(s)) then
             if (s(i + 1:i + 1) == s(1:1)) i = i + 1
          end if
          i = i + 1
       end do
+      text = text(:n)
    end function between_quotes
 
    pure logical function is_quoted(s)

@@ -4,13 +4,14 @@ module poinsot_ensemble_plan
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
-   use poinsot_core_nearest, only: suggestion
+   use poinsot_core_message, only: printable
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method
    use poinsot_body_class, only: body_class, make_class
    use poinsot_body_moments, only: accept_moments
    use poinsot_body_inertia, only: principal_axes, is_diagonal
    use poinsot_core_number, only: lower, parse_integer, parse_real, number_ok
    use poinsot_rotation_conversions, only: from_matrix, to_matrix
+   use poinsot_effect_callback, only: callback_label
    use poinsot_effect_effect, only: effect, effect_item, torque_effect, flow_effect, pair_effect
    use poinsot_effect_gyrostat, only: gyrostat
    use poinsot_effect_registry, only: make_effect
@@ -278,8 +279,8 @@ contains
          call choose("physical", value, [character(3) :: "yes", "no"], place, error)
          if (.not. raised(error)) plan%physical = place == 1
       case default
-         call raise(error, poinsot_e_method, "plan: unknown option '"//trim(key)//"'"// &
-            suggestion(key, keys))
+         call raise(error, poinsot_e_method, "plan: unknown option '"//printable(key)// &
+            "'; there are:"//list_of(keys))
       end select
    end subroutine set_option
 
@@ -291,9 +292,19 @@ contains
       do place = 1, size(names)
          if (names(place) == value) return
       end do
-      call raise(error, poinsot_e_method, "plan: unknown "//key//" '"//trim(value)//"'"// &
-         suggestion(value, names))
+      call raise(error, poinsot_e_method, "plan: unknown "//key//" '"//printable(value)// &
+         "'; there are:"//list_of(names))
    end subroutine choose
+
+   pure function list_of(names) result(list)
+      character(*), intent(in) :: names(:)
+      character(:), allocatable :: list
+      integer :: i
+      list = ""
+      do i = 1, size(names)
+         list = list//" "//trim(names(i))
+      end do
+   end function list_of
 
    subroutine read_tolerance(value, tolerance, error)
       character(*), intent(in) :: value
@@ -305,7 +316,7 @@ contains
       if (outcome == number_ok .and. number >= least_tolerance .and. number <= most_tolerance) then
          tolerance = number
       else
-         call raise(error, poinsot_e_domain, "plan: tolerance = '"//trim(value)// &
+         call raise(error, poinsot_e_domain, "plan: tolerance = '"//printable(value)// &
             "' is not a number from 1e-15 to 1e-2")
       end if
    end subroutine read_tolerance
@@ -320,7 +331,7 @@ contains
       call parse_integer(trim(value), number, outcome)
       if (outcome == number_ok .and. number >= least .and. number <= most) return
       write (range, "(i0, a, i0)") least, " to ", most
-      call raise(error, poinsot_e_domain, "plan: "//key//" = '"//trim(value) &
+      call raise(error, poinsot_e_domain, "plan: "//key//" = '"//printable(value) &
          //"' is not a whole number, "//trim(range))
    end subroutine read_integer
 
@@ -350,6 +361,7 @@ contains
             "poinsot_user_torque or poinsot_user_potential; this one would do nothing")
          return
       end if
+      if (made%name == "") made%name = callback_label%name ! for messages
       call move_alloc(made, item%it)
       if (present(settings)) item%settings = settings
       call grow(plan%effects, 1, error)

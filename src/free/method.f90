@@ -7,6 +7,7 @@ module poinsot_free_method
    use poinsot_core_kinds, only: dp, i8, group, groups, lanes, name_length
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_lanes, only: any_failed
+   use poinsot_core_message, only: printable
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, conserve
@@ -173,7 +174,8 @@ contains
       do i = 1, size(rows)
          list = list//" "//trim(method_names(i))
       end do
-      call raise(error, poinsot_e_method, "unknown method '"//trim(name)//"'; there are:"//list)
+      call raise(error, poinsot_e_method, "unknown method '"//printable(trim(name))// &
+         "'; there are:"//list)
    end subroutine find_method
 
    pure subroutine take_row(i, method)

@@ -3,6 +3,7 @@ module poinsot_splitting_registry
    use poinsot_core_kinds, only: dp
    use poinsot_core_status, only: poinsot_e_method
    use poinsot_core_error, only: poinsot_error, raise, raised
+   use poinsot_core_message, only: printable
    use poinsot_core_nearest, only: suggestion
    use poinsot_splitting_tableaux, only: splitting, splitting_names => scheme_names, &
       numbered_splittings => numbered_names, scheme_count, scheme_row
@@ -59,7 +60,7 @@ contains
          scheme = scheme_row(i)
          return
       end do
-      call raise(error, poinsot_e_method, "unknown splitting '" // trim(name) // "'" // &
+      call raise(error, poinsot_e_method, "unknown splitting '" // printable(trim(name)) // "'" // &
                  suggestion(name, splitting_names))
    end subroutine find_splitting
 
