@@ -41,6 +41,9 @@ if [ -s "$scratch/fortran" ] && ! cmp -s "$scratch/listed" "$scratch/fortran"; t
    comm -13 "$scratch/listed" "$scratch/fortran" | sed 's/$/: exported, not in test\/data\/exported.txt (a new public name? enter it there)/'
    bad=1
 fi
+for name in $(grep -v '_f_$' "$scratch/header"); do
+   grep -qiw "function $name\|subroutine $name" include/poinsot_interface.f90 || { echo "$name: in include/poinsot.h, not in include/poinsot_interface.f90"; bad=1; }
+done
 if ! tools/legacy_interface.sh | cmp -s - include/poinsot_legacy.f90; then
    echo "include/poinsot_legacy.f90 is not what tools/legacy_interface.sh makes of include/poinsot.h: run it"
    bad=1
