@@ -23,6 +23,19 @@ static const char *from_list(const char *const *list, size_t length, int i) {
 static const char *method_of(int i) { return i >= 1 ? poinsot_method_name((size_t)i - 1) : NULL; }
 static const char *splitting_of(int i) { return i >= 1 ? poinsot_splitting_name((size_t)i - 1) : NULL; }
 
+/* A number as poinsot_plan_set and _add_effect read it: with a point, also where the locale of the program has a comma. */
+static const char *text_of(double x, char text[32]) {
+  char raw[64], *end = text;
+  const char *c;
+  snprintf(raw, sizeof raw, "%.17g", x);
+  for (c = raw; *c; c++) {
+    if (strchr("0123456789+-einfa", *c)) *end++ = *c;
+    else if (end == text || end[-1] != '.') *end++ = '.';
+  }
+  *end = 0;
+  return text;
+}
+
 static size_t count_of(const int *n) { return *n < 0 ? (size_t)-1 : (size_t)*n; }
 
 void poinsot_version_f_(int *version, int *status) {
@@ -100,7 +113,9 @@ void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *valu
   static const char *const options[] = {"method", "splitting", "layout", "momentum", "frame", "threads", "seed", "physical"};
   static const char *const answers[] = {"yes", "no"};
   const char *key = NAME(options, *option), *text = NULL;
-  char number[16];
+  char number[16], which[16];
+  snprintf(number, sizeof number, "%d", *value);
+  snprintf(which, sizeof which, "%d", *option);
   switch (*option) {
   case 1: text = method_of(*value); break;
   case 2: text = splitting_of(*value); break;
@@ -108,24 +123,25 @@ void poinsot_plan_set_f_(const int64_t *plan, const int *option, const int *valu
   case 4: text = NAME(momenta, *value); break;
   case 5: text = NAME(frames, *value); break;
   case 8: text = NAME(answers, *value); break;
-  default:
-    snprintf(number, sizeof number, "%d", *value);
-    text = number;
+  default: break;
   }
-  *status = key && text ? poinsot_plan_set(plan_of(plan), key, text) : POINSOT_E_METHOD;
+  /* What has no name is refused by its number, in words. */
+  *status = poinsot_plan_set(plan_of(plan), key ? key : which, text && *text ? text : number);
 }
 
 void poinsot_plan_gravity_f_(const int64_t *plan, const double centre[3], const double *weight, const double up[3], int *status) {
-  char text[256];
-  snprintf(text, sizeof text, "centre = %.17g %.17g %.17g; weight = %.17g; up = %.17g %.17g %.17g", centre[0], centre[1],
-           centre[2], *weight, up[0], up[1], up[2]);
+  char text[300] = "centre =", number[32];
+  int i;
+  for (i = 0; i < 7; i++) {
+    strcat(text, i == 3 ? "; weight = " : i == 4 ? "; up = " : " ");
+    strcat(text, text_of(i < 3 ? centre[i] : i == 3 ? *weight : up[i - 4], number));
+  }
   *status = poinsot_plan_add_effect(plan_of(plan), "gravity", text);
 }
 
 void poinsot_plan_tolerance_f_(const int64_t *plan, const double *tolerance, int *status) {
   char text[32];
-  snprintf(text, sizeof text, "%.17g", *tolerance);
-  *status = poinsot_plan_set(plan_of(plan), "tolerance", text);
+  *status = poinsot_plan_set(plan_of(plan), "tolerance", text_of(*tolerance, text));
 }
 
 /* A Fortran text as a C text: blanks at its end do not count. Cut where it does not fit, which no name or number of ours does. */

@@ -1,6 +1,7 @@
 /* What a C host may do wrong, and what it may ask for twice: answered, never suffered. Run plainly, under the sanitizers and
  * under valgrind. */
 #include <fenv.h>
+#include <locale.h>
 #include <math.h>
 #include <poinsot.h>
 #include <stdio.h>
@@ -615,6 +616,26 @@ static void fixed_form(void) {
   poinsot_plan_destroy_f_(&plan);
   poinsot_plan_create_f_(&plan, &status);
   poinsot_plan_add_class_f_(&plan, second, &number, &status);
+  { /* numbers as the locale writes them, if there is one with a comma; what has no name is refused in words */
+    static const char *const commas[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "fr_FR.utf8", "C"};
+    const double centre[3] = {0, 0, 0.5}, up[3] = {0, 0.5, 1}, weight = 1.5, tolerance = 1e-9;
+    char words[100];
+    for (i = 0; i < 5 && !setlocale(LC_NUMERIC, commas[i]); i++) continue;
+    poinsot_plan_gravity_f_(&plan, centre, &weight, up, &status);
+    CHECK(status == POINSOT_OK);
+    poinsot_plan_tolerance_f_(&plan, &tolerance, &status);
+    CHECK(status == POINSOT_OK);
+    setlocale(LC_NUMERIC, "C");
+    poinsot_plan_set_f_(&plan, &(int){1}, &(int){99999}, &status);
+    poinsot_plan_message_f_(&plan, words, &(int){100});
+    CHECK(status == POINSOT_E_METHOD && memcmp(words, "unknown method '99999'", 22) == 0);
+    poinsot_plan_set_f_(&plan, &(int){99}, &(int){1}, &status);
+    poinsot_plan_message_f_(&plan, words, &(int){100});
+    CHECK(status == POINSOT_E_METHOD && memcmp(words, "plan: unknown option '99'", 25) == 0);
+    poinsot_plan_destroy_f_(&plan);
+    poinsot_plan_create_f_(&plan, &status);
+    poinsot_plan_add_class_f_(&plan, second, &number, &status);
+  }
   number = 4; /* hoomd */
   poinsot_plan_set_f_(&plan, &(int){3}, &number, &status);
   poinsot_plan_ready_f_(&plan, &status);
