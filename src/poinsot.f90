@@ -283,7 +283,7 @@ contains
       type(poinsot_error), intent(inout) :: error
       type(setting), allocatable :: list(:)
       if (.not. admitted(error)) return
-      call read_settings(settings, list, error)
+      call read_settings(settings, list, error, name)
       if (.not. raised(error)) call add_effect(plan, name, list, error)
    end subroutine add_named_effect
 

@@ -227,9 +227,9 @@ contains
                        refusal("&scene method='exact /", "closing quote"), &
                        refusal("&scene t_end=0*1 /", "repeat count"), &
                        refusal("&scene t_end=99999999999*1 /", "repeat count"), &
-                       refusal("&scene t_end=nan /", "not finite"), &
-                       refusal("&scene t_end=-Inf /", "not finite"), &
-                       refusal("&scene t_end=1e999 /", "not finite"), &
+                       refusal("&scene t_end=nan /", "must be finite"), &
+                       refusal("&scene t_end=-Inf /", "must be finite"), &
+                       refusal("&scene t_end=1e999 /", "must be finite"), &
                        refusal("&scene t_end=1e99999999999 /", "not finite"), &
                        refusal("&scene t_end(0)=1 /", "subscript"), &
                        refusal("&scene t_end(2:1)=1 /", "a section, as in (1:3)"), &

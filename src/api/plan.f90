@@ -209,7 +209,7 @@ contains
       else if (.not. (allocated(which) .and. allocated(text))) then
          call raise(error, poinsot_e_memory, "no memory for the settings of an effect")
       else
-         call read_settings(text, list, error)
+         call read_settings(text, list, error, which)
          if (.not. raised(error)) call add_effect(p%plan, which, list, error)
       end if
       status = answer(p, error)

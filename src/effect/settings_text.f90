@@ -13,13 +13,28 @@ module poinsot_effect_settings_text
    character(*), parameter :: blanks = " ,"//achar(9)//achar(10)//achar(13)
    integer, parameter :: most_numbers = 1000000 !! of one key
 
+   character(*), parameter :: of_settings = "settings: " !! how a message begins, the effect unknown
+
 contains
 
    !> Settings from a text: `key = values`, separated by semicolons; keys in any case; values are
    !> numbers (blanks or a comma between them, `3*0` says one three times) or one word, which may
-   !> stand in quotes, those within it doubled. POINSOT_E_DOMAIN, quoting the part, for anything
-   !> else.
-   subroutine read_settings(text, settings, error)
+   !> stand in quotes, those within it doubled. POINSOT_E_DOMAIN, naming the effect and quoting the
+   !> part, for anything else.
+   subroutine read_settings(text, settings, error, effect)
+      character(*), intent(in) :: text
+      type(setting), allocatable, intent(out) :: settings(:)
+      type(poinsot_error), intent(inout) :: error
+      character(*), intent(in), optional :: effect !! whose settings they are, for messages
+      call read_list(text, settings, error)
+      if (.not. (raised(error) .and. present(effect))) return
+      if (index(error%message, of_settings) /= 1) return
+      error%message = "effect '" // printable(effect) // "': " // &
+         error%message(len(of_settings) + 1:)
+   end subroutine read_settings
+
+   !> The list itself.
+   subroutine read_list(text, settings, error)
       character(*), intent(in) :: text
       type(setting), allocatable, intent(out) :: settings(:)
       type(poinsot_error), intent(inout) :: error
@@ -43,7 +58,7 @@ contains
             return
          end if
       end do
-   end subroutine read_settings
+   end subroutine read_list
 
    !> The length of a text before the next semicolon that is not within quotes.
    pure integer function part_length(text) result(n)
@@ -74,10 +89,10 @@ contains
       if (equals > 0) one%key = lower(trimmed(part(1:equals - 1)))
       if (equals > 0) values = trimmed(part(equals + 1:))
       if (equals == 0) then
-         call raise(error, poinsot_e_domain, "settings: '"//printable(trimmed(part))// &
+         call raise(error, poinsot_e_domain, of_settings//"'"//printable(trimmed(part))// &
             "' is not of the form key = values")
       else if (len(one%key) == 0 .or. len(values) == 0) then
-         call raise(error, poinsot_e_domain, "settings: '"//printable(trimmed(part))// &
+         call raise(error, poinsot_e_domain, of_settings//"'"//printable(trimmed(part))// &
             "' lacks its key or its values")
       else if (is_quoted(values)) then
          one%text = between_quotes(values)
@@ -146,7 +161,7 @@ contains
          call parse_real(word(length + 1:), x, outcome)
          if (outcome == number_range) then
             call reject_values(key, values, "'" // shown // &
-               "' is not finite or beyond 1e307", error)
+               "' must be finite and at most 1e307 in size", error)
          else if (outcome /= number_ok) then
             call reject_values(key, values, "'" // shown // "' is not a number", error)
          end if
@@ -159,7 +174,7 @@ contains
    subroutine reject_values(key, values, why, error)
       character(*), intent(in) :: key, values, why
       type(poinsot_error), intent(inout) :: error
-      call raise(error, poinsot_e_domain, "settings: '" // printable(key) // " = " // &
+      call raise(error, poinsot_e_domain, of_settings // "'" // printable(key) // " = " // &
          printable(values) // "': " // why)
    end subroutine reject_values
 

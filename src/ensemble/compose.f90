@@ -56,6 +56,7 @@ contains
       type(poinsot_plan), intent(inout) :: plan
       type(poinsot_error), intent(inout) :: error
       integer :: i
+      character(11) :: count_text
       do i = 1, size(plan%effects)
          select type (one => plan%effects(i)%it)
          class is (pair_effect)
@@ -74,8 +75,10 @@ contains
             return
          end if
          if (plan%effects(i)%it%class_index > plan%class_count()) then
+            write (count_text, "(i0)") plan%class_count()
             call raise(error, poinsot_e_domain, "effect '"//trim(plan%effects(i)%it%name)// &
-                       "' acts on a body class that the plan does not have")
+                       "': key 'class' names a body class that does not exist; classes of "// &
+                       "the plan: "//trim(count_text))
             return
          end if
       end do

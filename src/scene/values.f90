@@ -163,31 +163,40 @@ contains
       type(scene_entry), intent(in) :: entry
       type(scene_value), intent(inout) :: value
       type(poinsot_error), intent(inout) :: error
+      character(:), allocatable :: found
       character :: quote
-      integer :: length
+      integer :: n
       quote = here%text(here%at:here%at)
       value%kind = value_text
       value%repeats = max(value%repeats, 1)
-      value%text = ""
-      here%at = here%at + 1
+      n = 0
+      allocate (character(64) :: found)
       do
-         length = scan(here%text(min(here%at, len(here%text) + 1):), quote // newline) - 1
-         if (length >= 0) then
-            if (here%text(here%at + length:here%at + length) == newline) length = -1
-         end if
-         if (length < 0) then
-            call reject_key(here, group, entry, ": the closing quote of the string is missing " // &
-                          "on its line", error)
-            return
-         end if
-         value%text = value%text // here%text(here%at:here%at + length - 1)
-         here%at = here%at + length + 1
-         if (here%at > len(here%text)) return
-         if (here%text(here%at:here%at) /= quote) return
-         value%text = value%text // quote ! doubled inside
          here%at = here%at + 1
+         if (here%at > len(here%text)) exit
+         if (here%text(here%at:here%at) == newline) exit
+         if (here%text(here%at:here%at) == quote) then
+            here%at = here%at + 1
+            if (.not. is_at(here, quote)) then ! else one, doubled inside
+               value%text = found(:n)
+               return
+            end if
+         end if
+         if (n == len(found)) found = found//repeat(" ", n)
+         n = n + 1
+         found(n:n) = here%text(here%at:here%at)
       end do
+      call reject_key(here, group, entry, ": the closing quote of the string is missing on its "// &
+                      "line", error)
    end subroutine scan_string
+
+   !> Does this character come next?
+   pure logical function is_at(here, letter)
+      type(cursor), intent(in) :: here
+      character, intent(in) :: letter
+      is_at = .false.
+      if (here%at <= len(here%text)) is_at = here%text(here%at:here%at) == letter
+   end function is_at
 
    !> Number, logical or bare word.
    subroutine classify(here, word, group, entry, value, error)
@@ -203,7 +212,7 @@ contains
          value%kind = value_number
       else if (outcome == number_range) then
          call reject_key(here, group, entry, " = " // quoted(word) // &
-                       " is not finite or beyond 1e307; give a finite number", error)
+                       " must be finite and at most 1e307 in size", error)
       else
          value%kind = value_logical
          select case (lower(word))

@@ -164,6 +164,9 @@ static void plan(void) {
   CHECK(poinsot_plan_class_axes(it, 2147483647, axes) == POINSOT_E_DOMAIN);
   CHECK(poinsot_plan_class_axes(it, 0, axes) == POINSOT_OK && axes[0] == 1 && axes[1] == 0 && axes[8] == 1);
   CHECK(poinsot_plan_message(it, text, sizeof text) == 0);
+  CHECK(poinsot_plan_add_effect(it, "gravity", "weight = 1e999") == POINSOT_E_DOMAIN);
+  poinsot_plan_message(it, text, sizeof text);
+  CHECK(strstr(text, "effect 'gravity': 'weight = 1e999': '1e999' must be finite and at most 1e307") != NULL);
   CHECK(poinsot_plan_add_class(it, moments, &number) == POINSOT_OK && number == 1);
   CHECK(poinsot_plan_find_class(NULL, moments, 0, &number) == POINSOT_E_NULL && number == 1);
   CHECK(poinsot_plan_find_class(it, NULL, 0, &number) == POINSOT_E_NULL);
