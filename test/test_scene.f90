@@ -230,7 +230,7 @@ contains
                        refusal("&scene t_end=nan /", "must be finite"), &
                        refusal("&scene t_end=-Inf /", "must be finite"), &
                        refusal("&scene t_end=1e999 /", "must be finite"), &
-                       refusal("&scene t_end=1e99999999999 /", "not finite"), &
+                       refusal("&scene t_end=1e99999999999 /", "must be finite"), &
                        refusal("&scene t_end(0)=1 /", "subscript"), &
                        refusal("&scene t_end(2:1)=1 /", "a section, as in (1:3)"), &
                        refusal("&scene t_end(1:4:2)=1 /", "a section, as in (1:3)"), &
