@@ -174,7 +174,7 @@ contains
       type(effect_traits), intent(out) :: traits
       associate (unused => self%class_index)
       end associate
-      traits = effect_traits()
+      traits%energy = .false. ! and the other defaults
    end subroutine get_no_traits
 
    !> Has the derivative of the torque in closed form? Schemes with a force gradient need it.
