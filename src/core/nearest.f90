@@ -2,7 +2,7 @@
 module poinsot_core_nearest
    implicit none(type, external)
    private
-   public :: nearest_name, suggestion, edit_distance
+   public :: nearest_name, suggestion, known_names, edit_distance
 
    integer, parameter :: longest = 60 !! letters of an unknown name that are looked at
 
@@ -30,6 +30,17 @@ contains
       end if
       text = "; the nearest known one is "//text
    end function suggestion
+
+   !> The second half of a refusal where names are few: "; there are: strang srkn6".
+   pure function known_names(known) result(text)
+      character(*), intent(in) :: known(:) !! the names that would be right
+      character(:), allocatable :: text
+      integer :: i
+      text = "; there are:"
+      do i = 1, size(known)
+         text = text//" "//trim(known(i))
+      end do
+   end function known_names
 
    !> The known name that begins with this one, of three letters or more; else that with the
    !> smallest edit distance, the first of equals; "" if more than a third of the letters, rounded,

@@ -5,6 +5,7 @@ module poinsot_ensemble_plan
    use poinsot_core_kinds, only: dp, i8
    use poinsot_core_error, only: poinsot_error, raise, raised
    use poinsot_core_message, only: printable
+   use poinsot_core_nearest, only: known_names
    use poinsot_core_status, only: poinsot_e_domain, poinsot_e_memory, poinsot_e_method
    use poinsot_body_class, only: body_class, make_class
    use poinsot_body_moments, only: accept_moments
@@ -280,7 +281,7 @@ contains
          if (.not. raised(error)) plan%physical = place == 1
       case default
          call raise(error, poinsot_e_method, "plan: unknown option '"//printable(key)// &
-            "'; there are:"//list_of(keys))
+            "'"//known_names(keys))
       end select
    end subroutine set_option
 
@@ -293,18 +294,8 @@ contains
          if (names(place) == value) return
       end do
       call raise(error, poinsot_e_method, "plan: unknown "//key//" '"//printable(value)// &
-         "'; there are:"//list_of(names))
+         "'"//known_names(names))
    end subroutine choose
-
-   pure function list_of(names) result(list)
-      character(*), intent(in) :: names(:)
-      character(:), allocatable :: list
-      integer :: i
-      list = ""
-      do i = 1, size(names)
-         list = list//" "//trim(names(i))
-      end do
-   end function list_of
 
    subroutine read_tolerance(value, tolerance, error)
       character(*), intent(in) :: value

@@ -8,6 +8,7 @@ module poinsot_free_method
    use poinsot_core_error, only: poinsot_error, raise
    use poinsot_core_lanes, only: any_failed
    use poinsot_core_message, only: printable
+   use poinsot_core_nearest, only: known_names
    use poinsot_core_status, only: poinsot_ok, poinsot_e_method, poinsot_e_step
    use poinsot_body_class, only: body_class
    use poinsot_free_accumulate, only: add_plain, add_compensated, conserve
@@ -160,7 +161,6 @@ contains
       character(*), intent(in) :: name
       type(free_method), intent(out) :: method
       type(poinsot_error), intent(inout) :: error
-      character(:), allocatable :: list
       character(name_length) :: wanted
       integer :: i
       wanted = name ! texts of one length are compared at once
@@ -170,12 +170,8 @@ contains
          call take_row(i, method)
          if (associated(method%increment)) return
       end do
-      list = ""
-      do i = 1, size(rows)
-         list = list//" "//trim(method_names(i))
-      end do
-      call raise(error, poinsot_e_method, "unknown method '"//printable(trim(name))// &
-         "'; there are:"//list)
+      call raise(error, poinsot_e_method, "unknown method '"//printable(trim(name))//"'"// &
+         known_names(method_names))
    end subroutine find_method
 
    pure subroutine take_row(i, method)
